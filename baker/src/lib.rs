@@ -1,0 +1,1 @@
+//! Bakes triangle meshes into volume maps.

@@ -1,0 +1,2 @@
+//! The `volmap` program.
+fn main() {}

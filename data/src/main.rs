@@ -1,0 +1,2 @@
+//! Makes the sample meshes.
+fn main() {}

@@ -1,0 +1,1 @@
+//! Volume maps at run time.

@@ -1,0 +1,1 @@
+//! The tests of volmap, in one binary.
