@@ -1,4 +1,12 @@
 //! What volmap has on disk: triangle meshes in, volume-map assets out and in. No algorithms.
+//!
+//! - [`mesh`] (feature `mesh`): OBJ, STL, PLY, OFF, glTF, 3MF and VTK files into one [`mesh::TriangleMesh`];
+//! - [`asset`]: the volume-map asset, an HDF5 file described in `SPEC.md`; [`asset::read()`] is always there,
+//!   `asset::write` needs the feature `write`.
+//!
+//! Guaranteed: no panic on any input, memory bounded by the size of the input, a damaged asset is an error
+//! and never another number. Not guaranteed: that a mesh is closed or oriented; the baker diagnoses that.
 
+pub mod asset;
 #[cfg(feature = "mesh")]
 pub mod mesh;

@@ -1,1 +1,35 @@
-//! Volume maps at run time.
+//! Volume maps at run time: open an asset, validate it once, then ask for distance, normal, closest point and
+//! boundary volume at any point, in constant time.
+//!
+//! ```no_run
+//! use volmap_runtime::{DVec3, Sample, VolumeMap};
+//! let map = VolumeMap::open("duck.h5".as_ref())?;
+//! if let Sample::Near(boundary) = map.sample(DVec3::new(0.1, 0.2, 0.3)) {
+//!     println!("{} m from the wall, {} m^3 of it", boundary.distance, boundary.volume);
+//! }
+//! # Ok::<(), volmap_runtime::Error>(())
+//! ```
+//!
+//! Bender et al. 2020, *Implicit Frictional Boundary Handling for SPH*: V is Eq. 12, Phi is Eq. 10, both
+//! interpolated by cubic Serendipity elements on a sparse band of cells.
+//!
+//! Guaranteed: after [`VolumeMap::open`] no query fails or panics, whatever the point (NaN is outside); memory is
+//! bounded by the file's size; answers don't depend on the thread or the batch. A map is `Send + Sync`.
+//! Not guaranteed: gradients are continuous inside cells only (C0 elements).
+
+mod cells;
+mod error;
+mod grid;
+mod nodes;
+mod open;
+mod pose;
+mod query;
+pub mod serendipity;
+
+pub use cells::{Cell, CellIndex, NodeNumbers};
+pub use error::Error;
+pub use glam::{DQuat, DVec3};
+pub use grid::{Grid, Location};
+pub use nodes::{Family, NodeInterval, Nodes};
+pub use pose::{Pose, PosedMap};
+pub use query::{Boundary, Sample, VolumeMap};

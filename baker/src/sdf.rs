@@ -1,0 +1,4 @@
+//! Signed distance.
+
+pub mod band;
+pub mod field;

@@ -1,0 +1,144 @@
+//! Which cells are stored: those with a point of |Phi| <= 2 r (Bender et al. 2020, section 5, step 3), found
+//! without visiting the others one by one.
+//!
+//! Phi is 1-Lipschitz: in a block of cells with half diagonal R it stays within R of its value at the centre. Blocks
+//! that this decides are left whole, the others are split, so the work grows with the band and not with the box.
+
+use glam::{DVec3, UVec3};
+use rayon::prelude::*;
+use volmap_formats::asset::CellRun;
+use volmap_runtime::Grid;
+
+/// The cells of a grid by what is known of them; the rest is fluid. Both sorted by (k, j, i), adjacent ones joined.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct BandCells {
+    /// Cells with a point of |Phi| <= width.
+    pub band: Vec<CellRun>,
+    /// Cells with Phi < -width everywhere.
+    pub solid: Vec<CellRun>,
+}
+
+impl BandCells {
+    /// Number of cells in the band.
+    pub fn band_count(&self) -> u64 {
+        self.band.iter().map(|run| u64::from(run.len)).sum()
+    }
+}
+
+/// Cells of a block that one task splits on its own.
+const TASK_CELLS: u32 = 16;
+/// How often a cell on the edge of the band is split; undecided parts count as in the band.
+const REFINEMENTS: u32 = 2;
+
+/// Finds the band of half width `width` (metres) of the signed distance `phi`, which must be 1-Lipschitz where it
+/// doesn't change its sign.
+pub fn find_band(grid: &Grid, width: f64, phi: &(impl Fn(DVec3) -> f64 + Sync)) -> BandCells {
+    let search = Search { grid, width, phi };
+    let counts = grid.resolution.map(|n| n.div_ceil(TASK_CELLS));
+    let tasks: Vec<UVec3> = (0..counts.z)
+        .flat_map(|z| (0..counts.y).map(move |y| (y, z)))
+        .flat_map(|(y, z)| (0..counts.x).map(move |x| UVec3::new(x, y, z) * TASK_CELLS))
+        .collect();
+    let found: Vec<BandCells> = tasks
+        .into_par_iter()
+        .map(|low| {
+            let mut cells = BandCells::default();
+            search.block(low, (low + TASK_CELLS).min(grid.resolution), &mut cells);
+            cells
+        })
+        .collect();
+    let (band, solid): (Vec<_>, Vec<_>) = found.into_iter().map(|cells| (cells.band, cells.solid)).unzip();
+    BandCells { band: joined(band.concat()), solid: joined(solid.concat()) }
+}
+
+struct Search<'a, F> {
+    grid: &'a Grid,
+    width: f64,
+    phi: &'a F,
+}
+
+impl<F: Fn(DVec3) -> f64> Search<'_, F> {
+    fn block(&self, low: UVec3, high: UVec3, cells: &mut BandCells) {
+        let (corner, opposite) = (self.grid.cell_corner(low), self.grid.cell_corner(high));
+        let center = 0.5 * (corner + opposite);
+        let distance = (self.phi)(center);
+        // Rounding of the corners must not hide a touching cell.
+        let reach = 0.5 * (opposite - corner).length() * (1.0 + 1e-9);
+        let size = high - low;
+        if distance.abs() - reach > self.width {
+            if distance < 0.0 {
+                push_box(low, high, &mut cells.solid);
+            }
+        } else if size == UVec3::ONE {
+            if self.touches(center, 0.5 * (opposite - corner), distance, REFINEMENTS) {
+                push_box(low, high, &mut cells.band);
+            } else if distance < 0.0 {
+                push_box(low, high, &mut cells.solid);
+            }
+        } else {
+            let middle = low + (size + 1) / 2;
+            let halves = |axis: usize| match size[axis] {
+                1 => vec![(low[axis], high[axis])],
+                _ => vec![(low[axis], middle[axis]), (middle[axis], high[axis])],
+            };
+            for z in halves(2) {
+                for y in halves(1) {
+                    for x in halves(0) {
+                        self.block(UVec3::new(x.0, y.0, z.0), UVec3::new(x.1, y.1, z.1), cells);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Whether a box (centre, half size) has a point in the band; `distance` is Phi at the centre.
+    fn touches(&self, center: DVec3, half: DVec3, distance: f64, refinements: u32) -> bool {
+        if distance.abs() <= self.width {
+            return true;
+        }
+        if distance.abs() - half.length() * (1.0 + 1e-9) > self.width {
+            return false;
+        }
+        if refinements == 0 {
+            return true;
+        }
+        (0..8).any(|octant| {
+            let side = |axis: u32| if octant >> axis & 1 == 0 { -0.5 } else { 0.5 };
+            let part = center + half * DVec3::new(side(0), side(1), side(2));
+            self.touches(part, 0.5 * half, (self.phi)(part), refinements - 1)
+        })
+    }
+}
+
+fn push_box(low: UVec3, high: UVec3, runs: &mut Vec<CellRun>) {
+    for k in low.z..high.z {
+        for j in low.y..high.y {
+            runs.push(CellRun { i: low.x, j, k, len: high.x - low.x });
+        }
+    }
+}
+
+/// Sorts by (k, j, i) and joins runs that touch.
+fn joined(mut runs: Vec<CellRun>) -> Vec<CellRun> {
+    runs.sort_unstable_by_key(|run| (run.k, run.j, run.i));
+    runs.dedup_by(|next, run| {
+        let touches = (next.k, next.j, next.i) == (run.k, run.j, run.i + run.len);
+        if touches {
+            run.len += next.len;
+        }
+        touches
+    });
+    runs
+}
+
+/// The part of the runs in the box `low .. high`, in the box's own indices.
+pub fn cropped(runs: &[CellRun], low: UVec3, high: UVec3) -> Vec<CellRun> {
+    let crop = |run: &CellRun| {
+        let begin = run.i.max(low.x);
+        let end = (run.i + run.len).min(high.x);
+        let inside = begin < end && (low.y..high.y).contains(&run.j) && (low.z..high.z).contains(&run.k);
+        let moved = || CellRun { i: begin - low.x, j: run.j - low.y, k: run.k - low.z, len: end - begin };
+        inside.then(moved)
+    };
+    runs.iter().filter_map(crop).collect()
+}

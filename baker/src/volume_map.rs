@@ -1,0 +1,11 @@
+//! Volume maps: Bender et al. 2020, sections 4.3 and 5.
+//!
+//! - [`extension`]: the cubic extension function, Eq. 13;
+//! - [`quadrature`]: rules for the ball, Gauss-Legendre and product rules;
+//! - [`lattice`]: Eq. 12 at all nodes of the grid, in rows;
+//! - [`oracle`]: Eq. 12 at any point, plain and slow, kept to test the other.
+
+pub mod extension;
+pub mod lattice;
+pub mod oracle;
+pub mod quadrature;

@@ -1,0 +1,122 @@
+//! The volume-map asset: what a bake leaves on disk and a simulation loads. `SPEC.md` is its description.
+//!
+//! ```text
+//! Asset  <- schema ->  Tree (groups, attributes, arrays)  <- write / read ->  HDF5 bytes
+//! ```
+
+mod error;
+#[cfg(feature = "write")]
+mod filters;
+mod read;
+mod schema;
+mod tree;
+#[cfg(feature = "write")]
+mod write;
+
+pub use error::AssetError;
+pub use schema::{FORMAT_NAME, FORMAT_VERSION};
+pub use tree::{Array, Attributes, Dataset, Tree, Value};
+#[cfg(feature = "write")]
+pub use write::Compression;
+
+use std::path::Path;
+
+/// The lattice of cells: `origin` is its lowest corner, `cell_size` in metres, `resolution` in cells.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GridSpec {
+    /// Lowest corner of the domain, metres.
+    pub origin: [f64; 3],
+    /// Edge lengths of a cell, metres.
+    pub cell_size: [f64; 3],
+    /// Cells along x, y, z.
+    pub resolution: [u32; 3],
+}
+
+/// Consecutive cells along x: `(i .. i + len, j, k)`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CellRun {
+    /// First cell along x.
+    pub i: u32,
+    /// Row along y.
+    pub j: u32,
+    /// Row along z.
+    pub k: u32,
+    /// Number of cells, at least 1.
+    pub len: u32,
+}
+
+/// What fills the space outside the grid's domain.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Exterior {
+    /// Free space: no boundary there.
+    Fluid,
+    /// Solid, as around the inside of a container (`--invert`).
+    Solid,
+}
+
+/// The rule that integrated the volume, Eq. 12 of Bender et al. 2020.
+#[derive(Clone, Debug, PartialEq)]
+pub struct QuadratureSpec {
+    /// Name as the baker's option spells it: `gl30`, `ball8`.
+    pub name: String,
+    /// Polynomial exactness of the rule per axis.
+    pub degree: u32,
+    /// Points inside the ball.
+    pub points: u64,
+    /// Volume that the rule gives the full ball, m^3 (the exact one is 4/3 pi r^3).
+    pub ball_volume: f64,
+}
+
+/// A volume map with all that is known about it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Asset {
+    /// The lattice of cells.
+    pub grid: GridSpec,
+    /// Support radius r of the kernels that the map serves, metres.
+    pub support_radius: f64,
+    /// What lies outside the domain.
+    pub exterior: Exterior,
+    /// How the volume was integrated.
+    pub quadrature: QuadratureSpec,
+    /// Stored cells, those with a point of |Phi| <= 2 r, sorted by (k, j, i).
+    pub band_cells: Vec<CellRun>,
+    /// Cells deeper in the solid than the band, sorted by (k, j, i).
+    pub solid_cells: Vec<CellRun>,
+    /// Signed distance at the nodes, metres, negative inside the solid ([`Array::F32`] or [`Array::F64`]).
+    pub signed_distance: Array,
+    /// Boundary volume at the nodes, m^3.
+    pub volume: Array,
+    /// Effective value of every parameter of the bake.
+    pub bake: Attributes,
+    /// Where the map comes from: mesh file, its hash, triangles, bounding box, program.
+    pub source: Attributes,
+    /// What was found of the mesh: closed, oriented, holes.
+    pub diagnosis: Attributes,
+}
+
+/// Reads an asset; every length, range and checksum is checked.
+///
+/// # Errors
+/// A file that can't be read, isn't an asset, is of a newer version, or is damaged.
+pub fn read(path: &Path) -> Result<Asset, AssetError> {
+    let bytes = std::fs::read(path).map_err(|source| AssetError::Io(source).in_file(path))?;
+    from_bytes(bytes).map_err(|error| error.in_file(path))
+}
+
+/// Reads an asset from the bytes of its file.
+///
+/// # Errors
+/// As [`read`], without the file's name.
+pub fn from_bytes(bytes: Vec<u8>) -> Result<Asset, AssetError> {
+    schema::read(bytes)
+}
+
+/// Writes an asset: to a temporary file beside `path`, read back and compared, then renamed.
+/// The bytes are a function of the asset and the compression alone.
+///
+/// # Errors
+/// A folder that can't be written to. An existing file at `path` stays as it was.
+#[cfg(feature = "write")]
+pub fn write(path: &Path, asset: &Asset, compression: Compression) -> Result<(), AssetError> {
+    write::write_file(path, &schema::tree_from_asset(asset), compression).map_err(|error| error.in_file(path))
+}

@@ -1,0 +1,278 @@
+//! What the objects of the file mean: [`Asset`] to [`Tree`] and back. `SPEC.md` is this file in prose.
+
+use super::error::AssetError;
+#[cfg(feature = "write")]
+use super::tree::Dataset;
+use super::tree::{Array, Attributes, Tree, Value};
+use super::{Asset, CellRun, Exterior, GridSpec, QuadratureSpec};
+
+/// Value of the root attribute `format`.
+pub const FORMAT_NAME: &str = "volmap";
+/// Version that is written, and the newest that is read.
+pub const FORMAT_VERSION: u64 = 1;
+
+pub(super) const GROUPS: [&str; 8] =
+    ["/", "/bake", "/cells", "/diagnosis", "/fields", "/grid", "/quadrature", "/source"];
+pub(super) const DATASETS: [&str; 4] =
+    ["/cells/band", "/cells/solid", "/fields/signed_distance", "/fields/volume"];
+
+/// Eq. 13 of Bender et al. 2020, the one extension function of this version.
+const EXTENSION: &str = "cubic_spline";
+const NODE_LAYOUT: &str = "cubic_serendipity_32";
+/// Larger grids would overflow the indices of rows.
+const MAX_CELLS_PER_AXIS: u64 = 1 << 20;
+
+/// The file's content for an asset, checksums included.
+#[cfg(feature = "write")]
+pub(super) fn tree_from_asset(asset: &Asset) -> Tree {
+    let mut tree = Tree::default();
+    let mut group = |path: &str, attributes: Attributes| _ = tree.groups.insert(path.into(), attributes);
+    group("/", root_attributes());
+    group("/bake", asset.bake.clone());
+    group("/cells", Attributes::new());
+    group("/diagnosis", asset.diagnosis.clone());
+    group("/fields", attributes([("node_layout", NODE_LAYOUT.into())]));
+    group("/grid", grid_attributes(asset));
+    group("/quadrature", quadrature_attributes(asset));
+    group("/source", asset.source.clone());
+    let mut dataset = |path: &str, dataset: Dataset| _ = tree.datasets.insert(path.into(), dataset);
+    dataset("/cells/band", runs_dataset(&asset.band_cells, "cells that are stored"));
+    dataset("/cells/solid", runs_dataset(&asset.solid_cells, "cells deeper in the solid than the band"));
+    dataset(
+        "/fields/signed_distance",
+        field_dataset(&asset.signed_distance, "m", "signed distance Phi, negative inside the solid"),
+    );
+    dataset(
+        "/fields/volume",
+        field_dataset(&asset.volume, "m^3", "boundary volume, Eq. 12 of Bender et al. 2020"),
+    );
+    tree.seal();
+    tree
+}
+
+#[cfg(feature = "write")]
+fn root_attributes() -> Attributes {
+    attributes([
+        ("format", FORMAT_NAME.into()),
+        ("format_version", FORMAT_VERSION.into()),
+        ("length_unit", "m".into()),
+        ("extension_function", EXTENSION.into()),
+    ])
+}
+
+#[cfg(feature = "write")]
+fn grid_attributes(asset: &Asset) -> Attributes {
+    let exterior = match asset.exterior {
+        Exterior::Fluid => "fluid",
+        Exterior::Solid => "solid",
+    };
+    attributes([
+        ("origin", asset.grid.origin.into()),
+        ("cell_size", asset.grid.cell_size.into()),
+        ("resolution", asset.grid.resolution.into()),
+        ("support_radius", asset.support_radius.into()),
+        ("exterior", exterior.into()),
+    ])
+}
+
+#[cfg(feature = "write")]
+fn quadrature_attributes(asset: &Asset) -> Attributes {
+    let rule = &asset.quadrature;
+    attributes([
+        ("name", rule.name.as_str().into()),
+        ("degree", u64::from(rule.degree).into()),
+        ("points", rule.points.into()),
+        ("ball_volume", rule.ball_volume.into()),
+    ])
+}
+
+#[cfg(feature = "write")]
+fn attributes<const N: usize>(pairs: [(&str, Value); N]) -> Attributes {
+    pairs.map(|(name, value)| (name.to_owned(), value)).into()
+}
+
+#[cfg(feature = "write")]
+fn runs_dataset(runs: &[CellRun], description: &str) -> Dataset {
+    let numbers = runs.iter().flat_map(|run| [run.i, run.j, run.k, run.len]).collect();
+    Dataset {
+        array: Array::U32(numbers),
+        shape: vec![runs.len(), 4],
+        attributes: attributes([
+            ("columns", "i, j, k, length: cells (i .. i+length, j, k)".into()),
+            ("description", description.into()),
+        ]),
+    }
+}
+
+#[cfg(feature = "write")]
+fn field_dataset(values: &Array, units: &str, description: &str) -> Dataset {
+    Dataset {
+        shape: vec![values.len()],
+        array: values.clone(),
+        attributes: attributes([("units", units.into()), ("description", description.into())]),
+    }
+}
+
+/// Reads an asset's tree from bytes, the kind and version of the file first, so that a foreign or newer
+/// file is told as such.
+pub(super) fn read(bytes: Vec<u8>) -> Result<Asset, AssetError> {
+    asset_from_tree(super::read::read_tree(bytes, &GROUPS, &DATASETS, check_format)?)
+}
+
+fn check_format(root: &Attributes) -> Result<(), AssetError> {
+    if root.get("format") != Some(&Value::Text(FORMAT_NAME.into())) {
+        return Err(AssetError::NotAnAsset);
+    }
+    match root.get("format_version") {
+        Some(Value::Integer(v)) if v.len() == 1 && v[0] > FORMAT_VERSION => {
+            Err(AssetError::Version { found: v[0], supported: FORMAT_VERSION })
+        }
+        Some(Value::Integer(v)) if v.len() == 1 && v[0] >= 1 => Ok(()),
+        _ => Err(AssetError::invalid("/@format_version", "isn't a version number")),
+    }
+}
+
+fn asset_from_tree(mut tree: Tree) -> Result<Asset, AssetError> {
+    let root = Reader::new(&tree, "/");
+    root.expect("length_unit", "m")?;
+    root.expect("extension_function", EXTENSION)?;
+    Reader::new(&tree, "/fields").expect("node_layout", NODE_LAYOUT)?;
+    let grid_group = Reader::new(&tree, "/grid");
+    let grid = grid_spec(&grid_group)?;
+    let support_radius = grid_group.positive("support_radius")?;
+    let exterior = match grid_group.text("exterior")?.as_str() {
+        "fluid" => Exterior::Fluid,
+        "solid" => Exterior::Solid,
+        _ => return Err(grid_group.invalid("exterior", "is neither `fluid` nor `solid`")),
+    };
+    let quadrature = quadrature_spec(&Reader::new(&tree, "/quadrature"))?;
+    let band_cells = runs(&tree, "/cells/band")?;
+    let solid_cells = runs(&tree, "/cells/solid")?;
+    let mut group = |path: &str| tree.groups.remove(path).unwrap_or_default();
+    let (bake, source, diagnosis) = (group("/bake"), group("/source"), group("/diagnosis"));
+    Ok(Asset {
+        grid,
+        support_radius,
+        exterior,
+        quadrature,
+        band_cells,
+        solid_cells,
+        signed_distance: field(&mut tree, "/fields/signed_distance")?,
+        volume: field(&mut tree, "/fields/volume")?,
+        bake,
+        source,
+        diagnosis,
+    })
+}
+
+fn grid_spec(group: &Reader) -> Result<GridSpec, AssetError> {
+    let resolution = group.integers::<3>("resolution")?;
+    if resolution.iter().any(|&n| n == 0 || n > MAX_CELLS_PER_AXIS) {
+        return Err(group.invalid("resolution", "is outside 1 to 1048576 cells an axis"));
+    }
+    let cell_size = group.reals::<3>("cell_size")?;
+    if cell_size.iter().any(|&h| h <= 0.0) {
+        return Err(group.invalid("cell_size", "isn't positive"));
+    }
+    Ok(GridSpec { origin: group.reals("origin")?, cell_size, resolution: resolution.map(|n| n as u32) })
+}
+
+fn quadrature_spec(group: &Reader) -> Result<QuadratureSpec, AssetError> {
+    let [degree] = group.integers("degree")?;
+    let [points] = group.integers("points")?;
+    let degree = u32::try_from(degree).map_err(|_| group.invalid("degree", "is too large"))?;
+    Ok(QuadratureSpec {
+        name: group.text("name")?,
+        degree,
+        points,
+        ball_volume: group.positive("ball_volume")?,
+    })
+}
+
+fn runs(tree: &Tree, path: &str) -> Result<Vec<CellRun>, AssetError> {
+    let dataset = tree.datasets.get(path).ok_or_else(|| AssetError::Missing(path.into()))?;
+    match (&dataset.array, dataset.shape.as_slice()) {
+        (Array::U32(numbers), [_, 4]) => {
+            let run = |n: &[u32]| CellRun { i: n[0], j: n[1], k: n[2], len: n[3] };
+            Ok(numbers.chunks_exact(4).map(run).collect())
+        }
+        _ => Err(AssetError::invalid(path, "isn't a table of u32 with 4 columns")),
+    }
+}
+
+fn field(tree: &mut Tree, path: &str) -> Result<Array, AssetError> {
+    let dataset = tree.datasets.remove(path).ok_or_else(|| AssetError::Missing(path.into()))?;
+    let finite = match &dataset.array {
+        Array::F32(v) => v.iter().all(|x| x.is_finite()),
+        Array::F64(v) => v.iter().all(|x| x.is_finite()),
+        Array::U32(_) => return Err(AssetError::invalid(path, "isn't f32 or f64")),
+    };
+    match (finite, dataset.shape.len()) {
+        (true, 1) => Ok(dataset.array),
+        (false, _) => Err(AssetError::invalid(path, "has values that aren't finite")),
+        _ => Err(AssetError::invalid(path, "has more than one axis")),
+    }
+}
+
+/// Typed access to a group's attributes.
+struct Reader<'a> {
+    path: &'a str,
+    attributes: Option<&'a Attributes>,
+}
+
+impl<'a> Reader<'a> {
+    fn new(tree: &'a Tree, path: &'a str) -> Reader<'a> {
+        Reader { path, attributes: tree.groups.get(path) }
+    }
+
+    fn name(&self, name: &str) -> String {
+        format!("{}@{name}", self.path)
+    }
+
+    fn invalid(&self, name: &str, reason: &str) -> AssetError {
+        AssetError::invalid(self.name(name), reason)
+    }
+
+    fn get(&self, name: &str) -> Result<&'a Value, AssetError> {
+        let value = self.attributes.and_then(|attributes| attributes.get(name));
+        value.ok_or_else(|| AssetError::Missing(self.name(name)))
+    }
+
+    fn text(&self, name: &str) -> Result<String, AssetError> {
+        match self.get(name)? {
+            Value::Text(text) => Ok(text.clone()),
+            _ => Err(self.invalid(name, "isn't text")),
+        }
+    }
+
+    fn expect(&self, name: &str, expected: &str) -> Result<(), AssetError> {
+        let found = self.text(name)?;
+        if found == expected {
+            return Ok(());
+        }
+        Err(self.invalid(name, &format!("is `{found}`, but this version knows only `{expected}`")))
+    }
+
+    fn integers<const N: usize>(&self, name: &str) -> Result<[u64; N], AssetError> {
+        match self.get(name)? {
+            Value::Integer(v) => v.as_slice().try_into().ok(),
+            _ => None,
+        }
+        .ok_or_else(|| self.invalid(name, &format!("isn't {N} unsigned integers")))
+    }
+
+    fn reals<const N: usize>(&self, name: &str) -> Result<[f64; N], AssetError> {
+        match self.get(name)? {
+            Value::Real(v) if v.iter().all(|x| x.is_finite()) => v.as_slice().try_into().ok(),
+            _ => None,
+        }
+        .ok_or_else(|| self.invalid(name, &format!("isn't {N} finite real numbers")))
+    }
+
+    fn positive(&self, name: &str) -> Result<f64, AssetError> {
+        match self.reals(name)? {
+            [value] if value > 0.0 => Ok(value),
+            _ => Err(self.invalid(name, "isn't positive")),
+        }
+    }
+}

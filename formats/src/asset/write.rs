@@ -1,0 +1,159 @@
+//! A [`Tree`] into HDF5 bytes. The one file that knows the crate `rust-hdf5`.
+//!
+//! The chunks are filtered here and handed over ready, so that the bytes depend on `zstd` and `flate2` only.
+//! Text attributes are fixed-length UTF-8 with a trailing NUL: libhdf5's C API can't read that crate's
+//! variable-length ones.
+
+use super::error::AssetError;
+use super::filters;
+use super::read::read_tree;
+use super::tree::{Array, Attributes, Dataset, Tree, Value};
+use rust_hdf5::{DatatypeMessage, Filter, FilterPipeline, H5Dataset, H5File, H5Group, H5Type};
+use std::path::Path;
+
+/// How the datasets are compressed; both filters keep every bit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Compression {
+    /// Zstandard (HDF5 filter 32015), level 1 to 22.
+    Zstd(i32),
+    /// gzip (HDF5 filter 1), level 1 to 9: for readers without plugins.
+    Gzip(u32),
+}
+
+impl Default for Compression {
+    fn default() -> Self {
+        Compression::Zstd(9)
+    }
+}
+
+/// Elements of a chunk along its first axis times the other axes.
+const CHUNK_ELEMENTS: usize = 1 << 16;
+
+/// Writes to a temporary file beside `path`, reads that back, and renames it onto `path`.
+pub(super) fn write_file(path: &Path, tree: &Tree, compression: Compression) -> Result<(), AssetError> {
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    let temporary = tempfile::Builder::new().prefix(".volmap-").suffix(".part").tempfile_in(folder)?;
+    write_tree(temporary.path(), tree, compression)?;
+    let written = std::fs::read(temporary.path())?;
+    let groups: Vec<&str> = tree.groups.keys().map(String::as_str).collect();
+    let datasets: Vec<&str> = tree.datasets.keys().map(String::as_str).collect();
+    if read_tree(written, &groups, &datasets, |_| Ok(()))? != *tree {
+        return Err(AssetError::Container("what was written doesn't read back".into()));
+    }
+    temporary.as_file().sync_all()?;
+    temporary.persist(path).map_err(|error| error.error)?;
+    Ok(())
+}
+
+fn write_tree(path: &Path, tree: &Tree, compression: Compression) -> Result<(), AssetError> {
+    write_objects(path, tree, compression).map_err(|error| AssetError::Container(error.to_string()))
+}
+
+fn write_objects(path: &Path, tree: &Tree, compression: Compression) -> rust_hdf5::Result<()> {
+    let file = H5File::create(path)?;
+    for (path, attributes) in &tree.groups {
+        let group = match path.trim_start_matches('/') {
+            "" => file.root_group(),
+            name => file.create_group(name)?,
+        };
+        write_attributes(attributes, &Target::Group(&group))?;
+    }
+    for (path, dataset) in &tree.datasets {
+        let created = match &dataset.array {
+            Array::F32(_) => write_dataset::<f32>(&file, path, dataset, compression)?,
+            Array::F64(_) => write_dataset::<f64>(&file, path, dataset, compression)?,
+            Array::U32(_) => write_dataset::<u32>(&file, path, dataset, compression)?,
+        };
+        write_attributes(&dataset.attributes, &Target::Dataset(&created))?;
+    }
+    file.close()
+}
+
+fn write_dataset<T: H5Type>(
+    file: &H5File,
+    path: &str,
+    dataset: &Dataset,
+    compression: Compression,
+) -> rust_hdf5::Result<H5Dataset> {
+    let row: usize = dataset.shape[1..].iter().product();
+    let rows = dataset.shape[0];
+    let element_size = dataset.array.element_size();
+    let chunk_rows = (CHUNK_ELEMENTS / row).min(rows).max(1);
+    let mut chunk_shape = dataset.shape.clone();
+    chunk_shape[0] = chunk_rows;
+    let created = file
+        .new_dataset::<T>()
+        .shape(&dataset.shape)
+        .chunk(&chunk_shape)
+        .filter_pipeline(pipeline(element_size, compression))
+        .create(path.trim_start_matches('/'))?;
+    let bytes = dataset.array.to_le_bytes();
+    let chunk_bytes = chunk_rows * row * element_size;
+    for (index, chunk) in bytes.chunks(chunk_bytes).enumerate() {
+        // HDF5 stores the last chunk whole.
+        let mut chunk = chunk.to_vec();
+        chunk.resize(chunk_bytes, 0);
+        created.write_chunk_raw(index, &filtered(&chunk, element_size, compression)?, 0)?;
+    }
+    Ok(created)
+}
+
+fn pipeline(element_size: usize, compression: Compression) -> FilterPipeline {
+    let filter = |id, values: Vec<u32>| Filter { id, flags: 0, cd_values: values };
+    let compressor = match compression {
+        Compression::Zstd(level) => filter(32015, vec![level as u32]),
+        Compression::Gzip(level) => filter(1, vec![level]),
+    };
+    FilterPipeline { filters: vec![filter(2, vec![element_size as u32]), compressor, filter(3, vec![])] }
+}
+
+fn filtered(chunk: &[u8], element_size: usize, compression: Compression) -> std::io::Result<Vec<u8>> {
+    let shuffled = filters::shuffle(chunk, element_size);
+    let mut out = match compression {
+        Compression::Zstd(level) => filters::zstd(&shuffled, level)?,
+        Compression::Gzip(level) => filters::deflate(&shuffled, level)?,
+    };
+    out.extend(filters::fletcher32(&out).to_le_bytes());
+    Ok(out)
+}
+
+enum Target<'a> {
+    Group(&'a H5Group),
+    Dataset(&'a H5Dataset),
+}
+
+fn write_attributes(attributes: &Attributes, target: &Target) -> rust_hdf5::Result<()> {
+    for (name, value) in attributes {
+        match value {
+            Value::Integer(v) => write_numbers(target, name, v)?,
+            Value::Real(v) => write_numbers(target, name, v)?,
+            Value::Text(text) => {
+                let mut bytes = text.as_bytes().to_vec();
+                bytes.push(0);
+                let datatype = DatatypeMessage::fixed_string_utf8(bytes.len() as u32);
+                match target {
+                    Target::Group(group) => group.set_attr_typed(name, datatype, bytes)?,
+                    Target::Dataset(dataset) => dataset.set_attr_typed(name, datatype, bytes)?,
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+fn write_numbers<T: H5Type>(target: &Target, name: &str, values: &[T]) -> rust_hdf5::Result<()> {
+    match (target, values) {
+        (Target::Group(group), [value]) => group.set_attr_numeric(name, value),
+        (Target::Group(group), _) => group.set_attr_array_numeric(name, values),
+        (Target::Dataset(dataset), [value]) => {
+            dataset.new_attr::<T>().shape(()).create(name)?.write_numeric(value)
+        }
+        (Target::Dataset(dataset), _) => {
+            let attribute = dataset.new_attr::<T>().shape([values.len()]).create(name)?;
+            attribute.write_array(values)
+        }
+    }
+}

@@ -1,0 +1,110 @@
+//! From a cell to the numbers of its nodes, in a sparse grid.
+
+use crate::nodes::{Nodes, row_table};
+use crate::serendipity::NODES;
+use glam::UVec3;
+use volmap_formats::asset::CellRun;
+
+/// What is known of a cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cell {
+    /// Stored: these are its nodes.
+    Band(NodeNumbers),
+    /// Not stored: deeper in the solid than the band.
+    Solid,
+    /// Not stored: farther from the solid than the band.
+    Fluid,
+}
+
+/// The numbers of a cell's 32 nodes, in the order of [`crate::serendipity`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NodeNumbers {
+    bases: [u32; 12],
+    steps: u32,
+}
+
+impl NodeNumbers {
+    /// All 32 numbers.
+    pub fn all(&self) -> [u32; NODES] {
+        let mut out = [0; NODES];
+        for row in 0..4 {
+            let corner = self.bases[row] + self.steps;
+            let edge = self.bases[4 + row] + 2 * self.steps;
+            for t in 0..2 {
+                out[2 * row + t] = corner + t as u32;
+                out[8 + 2 * row + t] = edge + t as u32;
+            }
+            // y-edges at dz = 0, 1, then z-edges at dy = 0, 1: four consecutive numbers each.
+            let pair = self.bases[8 + row] + 2 * self.steps;
+            for n in 0..4 {
+                out[16 + 4 * row + n] = pair + n as u32;
+            }
+        }
+        out
+    }
+}
+
+/// Consecutive cells of one kind.
+#[derive(Clone, Copy, Debug)]
+struct Run {
+    first: u32,
+    end: u32,
+    /// Entry in `bases`, or [`SOLID`].
+    bases: u32,
+}
+
+const SOLID: u32 = u32::MAX;
+
+/// Finds cells; memory in proportion to the rows of the grid and the runs of the band.
+#[derive(Clone, Debug)]
+pub struct CellIndex {
+    resolution: UVec3,
+    row_start: Vec<u32>,
+    runs: Vec<Run>,
+    bases: Vec<[u32; 12]>,
+}
+
+impl CellIndex {
+    /// An index of the band's cells and the solid's; both sorted by (k, j, i), disjoint and in the grid.
+    pub fn new(resolution: UVec3, band: &[CellRun], solid: &[CellRun], nodes: &Nodes) -> CellIndex {
+        let band_rows = row_table(resolution, band);
+        let solid_rows = row_table(resolution, solid);
+        let mut runs = Vec::with_capacity(band.len() + solid.len());
+        let mut row_start = vec![0];
+        for row in 0..band_rows.len() - 1 {
+            let begin = runs.len();
+            let range = |table: &[u32]| table[row] as usize..table[row + 1] as usize;
+            for number in range(&band_rows) {
+                let run = band[number];
+                runs.push(Run { first: run.i, end: run.i + run.len, bases: number as u32 });
+            }
+            for run in &solid[range(&solid_rows)] {
+                runs.push(Run { first: run.i, end: run.i + run.len, bases: SOLID });
+            }
+            runs[begin..].sort_unstable_by_key(|run| run.first);
+            row_start.push(runs.len() as u32);
+        }
+        let bases = band.iter().map(|&run| nodes.bases(run)).collect();
+        CellIndex { resolution, row_start, runs, bases }
+    }
+
+    /// Bytes held in memory.
+    pub fn memory_bytes(&self) -> usize {
+        size_of_val(self.row_start.as_slice())
+            + size_of_val(self.runs.as_slice())
+            + size_of_val(self.bases.as_slice())
+    }
+
+    /// What is known of a cell of the grid.
+    pub fn find(&self, cell: UVec3) -> Cell {
+        let row = (cell.y + self.resolution.y * cell.z) as usize;
+        let runs = &self.runs[self.row_start[row] as usize..self.row_start[row + 1] as usize];
+        match runs.get(runs.partition_point(|run| run.end <= cell.x)) {
+            Some(run) if run.first <= cell.x => match run.bases {
+                SOLID => Cell::Solid,
+                at => Cell::Band(NodeNumbers { bases: self.bases[at as usize], steps: cell.x - run.first }),
+            },
+            _ => Cell::Fluid,
+        }
+    }
+}

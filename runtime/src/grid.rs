@@ -1,0 +1,67 @@
+//! The lattice of cells: where a point lies, where a node lies.
+
+use glam::{DVec3, UVec3};
+use volmap_formats::asset::GridSpec;
+
+/// A box of `resolution` cells of size `cell_size` whose lowest corner is `origin`; metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grid {
+    /// Lowest corner.
+    pub origin: DVec3,
+    /// Edge lengths of a cell.
+    pub cell_size: DVec3,
+    /// Cells along each axis.
+    pub resolution: UVec3,
+}
+
+/// A cell and the place in it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Location {
+    /// Index of the cell.
+    pub cell: UVec3,
+    /// Coordinates in the reference cell [-1, 1]^3.
+    pub xi: DVec3,
+}
+
+impl Grid {
+    /// Highest corner of the domain.
+    pub fn max_corner(&self) -> DVec3 {
+        self.origin + self.cell_size * self.resolution.as_dvec3()
+    }
+
+    /// Lowest corner of a cell.
+    pub fn cell_corner(&self, cell: UVec3) -> DVec3 {
+        self.origin + self.cell_size * cell.as_dvec3()
+    }
+
+    /// Cell and reference coordinates of a point; `None` outside the (closed) domain and for NaN.
+    pub fn locate(&self, point: DVec3) -> Option<Location> {
+        let u = (point - self.origin) / self.cell_size;
+        let n = self.resolution.as_dvec3();
+        if !(u.cmpge(DVec3::ZERO).all() && u.cmple(n).all()) {
+            return None;
+        }
+        let cell = u.as_uvec3().min(self.resolution - UVec3::ONE);
+        Some(Location { cell, xi: (u - cell.as_dvec3()) * 2.0 - DVec3::ONE })
+    }
+}
+
+impl From<GridSpec> for Grid {
+    fn from(spec: GridSpec) -> Grid {
+        Grid {
+            origin: spec.origin.into(),
+            cell_size: spec.cell_size.into(),
+            resolution: spec.resolution.into(),
+        }
+    }
+}
+
+impl From<Grid> for GridSpec {
+    fn from(grid: Grid) -> GridSpec {
+        GridSpec {
+            origin: grid.origin.into(),
+            cell_size: grid.cell_size.into(),
+            resolution: grid.resolution.into(),
+        }
+    }
+}

@@ -1,0 +1,98 @@
+//! Opening a map: everything that a query relies on is checked here, once.
+
+use crate::cells::CellIndex;
+use crate::error::Error;
+use crate::grid::Grid;
+use crate::nodes::Nodes;
+use crate::query::{Fields, VolumeMap};
+use glam::UVec3;
+use std::path::Path;
+use volmap_formats::asset::{self, Array, Asset, CellRun};
+
+/// Rows of cells (resolution y times z) that an index is made for.
+const MAX_ROWS: u64 = 1 << 24;
+
+impl VolumeMap {
+    /// Opens an asset.
+    ///
+    /// # Errors
+    /// A file that can't be read, isn't a volume map, is newer than this crate, or is damaged.
+    pub fn open(path: &Path) -> Result<VolumeMap, Error> {
+        let in_file = |source| Error::InFile { path: path.to_owned(), source: Box::new(source) };
+        VolumeMap::from_asset(&asset::read(path)?).map_err(in_file)
+    }
+
+    /// Opens an asset from the bytes of its file.
+    ///
+    /// # Errors
+    /// As [`VolumeMap::open`].
+    pub fn from_bytes(bytes: Vec<u8>) -> Result<VolumeMap, Error> {
+        VolumeMap::from_asset(&asset::from_bytes(bytes)?)
+    }
+
+    /// Opens an asset that is in memory.
+    ///
+    /// # Errors
+    /// Cells outside the grid or out of order, fields of another length than the nodes.
+    pub fn from_asset(asset: &Asset) -> Result<VolumeMap, Error> {
+        let grid = Grid::from(asset.grid);
+        check_runs("/cells/band", &asset.band_cells, grid.resolution)?;
+        check_runs("/cells/solid", &asset.solid_cells, grid.resolution)?;
+        check_disjoint(&asset.band_cells, &asset.solid_cells)?;
+        let nodes = Nodes::new(grid.resolution, &asset.band_cells)
+            .ok_or_else(|| Error::inconsistent("/cells/band", "has more than 2^32 nodes"))?;
+        let fields = interleave(&asset.signed_distance, &asset.volume, nodes.count())?;
+        Ok(VolumeMap {
+            grid,
+            support_radius: asset.support_radius,
+            exterior: asset.exterior,
+            quadrature: asset.quadrature.clone(),
+            cells: CellIndex::new(grid.resolution, &asset.band_cells, &asset.solid_cells, &nodes),
+            fields,
+        })
+    }
+}
+
+fn check_runs(what: &'static str, runs: &[CellRun], resolution: UVec3) -> Result<(), Error> {
+    if u64::from(resolution.y) * u64::from(resolution.z) > MAX_ROWS {
+        return Err(Error::inconsistent("/grid", "has more than 2^24 rows of cells"));
+    }
+    let mut free = (0, 0, 0);
+    for (row, run) in runs.iter().enumerate() {
+        let end = run.i.checked_add(run.len).filter(|&end| end <= resolution.x && run.len > 0);
+        let (Some(end), true, true) = (end, run.j < resolution.y, run.k < resolution.z) else {
+            return Err(Error::inconsistent(what, format!("row {row} lies outside the grid")));
+        };
+        if (run.k, run.j, run.i) < free {
+            return Err(Error::inconsistent(what, format!("row {row} is out of order")));
+        }
+        free = (run.k, run.j, end);
+    }
+    Ok(())
+}
+
+fn check_disjoint(band: &[CellRun], solid: &[CellRun]) -> Result<(), Error> {
+    let mut all: Vec<&CellRun> = band.iter().chain(solid).collect();
+    all.sort_unstable_by_key(|run| (run.k, run.j, run.i));
+    let overlap = |pair: &[&CellRun]| {
+        (pair[0].k, pair[0].j) == (pair[1].k, pair[1].j) && pair[0].i + pair[0].len > pair[1].i
+    };
+    match all.windows(2).any(overlap) {
+        true => Err(Error::inconsistent("/cells/solid", "overlaps /cells/band")),
+        false => Ok(()),
+    }
+}
+
+fn interleave(distance: &Array, volume: &Array, nodes: usize) -> Result<Fields, Error> {
+    for (what, field) in [("/fields/signed_distance", distance), ("/fields/volume", volume)] {
+        if field.len() != nodes {
+            let reason = format!("has {} values for {nodes} nodes", field.len());
+            return Err(Error::inconsistent(what, reason));
+        }
+    }
+    match (distance, volume) {
+        (Array::F32(d), Array::F32(v)) => Ok(Fields::F32(d.iter().zip(v).map(|(&d, &v)| [d, v]).collect())),
+        (Array::F64(d), Array::F64(v)) => Ok(Fields::F64(d.iter().zip(v).map(|(&d, &v)| [d, v]).collect())),
+        _ => Err(Error::inconsistent("/fields", "differ in precision")),
+    }
+}
