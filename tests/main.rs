@@ -1,1 +1,3 @@
-//! The tests of volmap, in one binary.
+//! The tests of volmap that go through more than one crate, in one binary.
+
+mod analytic;

@@ -1,1 +1,94 @@
 //! What the tests share.
+
+use volmap_baker::maps::{Maps, compute_maps};
+use volmap_baker::plan::{Extent, GridChoice, Plan, Settings, plan};
+use volmap_formats::asset::{Array, Asset, Attributes, QuadratureSpec};
+use volmap_runtime::{DVec3, VolumeMap};
+
+/// A small generator of reproducible numbers (xorshift64*).
+pub struct Random(pub u64);
+
+impl Random {
+    /// The next 64 bits.
+    pub fn bits(&mut self) -> u64 {
+        self.0 ^= self.0 >> 12;
+        self.0 ^= self.0 << 25;
+        self.0 ^= self.0 >> 27;
+        self.0.wrapping_mul(0x2545F4914F6CDD1D)
+    }
+
+    /// A number in [0, 1).
+    pub fn unit(&mut self) -> f64 {
+        (self.bits() >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// A number in 0 .. n.
+    pub fn below(&mut self, n: usize) -> usize {
+        (self.unit() * n as f64) as usize
+    }
+
+    /// A point in a box.
+    pub fn point(&mut self, low: DVec3, high: DVec3) -> DVec3 {
+        low + (high - low) * DVec3::new(self.unit(), self.unit(), self.unit())
+    }
+}
+
+/// A solid with a closed form of its signed distance.
+pub struct Solid {
+    /// For messages.
+    pub name: &'static str,
+    /// Box and area.
+    pub extent: Extent,
+    /// Signed distance, metres.
+    pub phi: fn(DVec3) -> f64,
+}
+
+/// A sphere of radius 0.5.
+pub const SPHERE: Solid = Solid {
+    name: "sphere",
+    extent: Extent { min: DVec3::splat(-0.5), max: DVec3::splat(0.5), area: 3.1416 },
+    phi: |x| x.length() - 0.5,
+};
+
+/// A torus around y, radii 0.5 and 0.25.
+pub const TORUS: Solid = Solid {
+    name: "torus",
+    extent: Extent { min: DVec3::new(-0.75, -0.25, -0.75), max: DVec3::new(0.75, 0.25, 0.75), area: 4.93 },
+    phi: |x| DVec3::new((x.x * x.x + x.z * x.z).sqrt() - 0.5, x.y, 0.0).length() - 0.25,
+};
+
+/// Plan and fields of a solid at N^3 cells.
+pub fn compute(solid: &Solid, resolution: u32, settings: &Settings) -> (Plan, Maps) {
+    let settings = Settings { grid: GridChoice::Resolution([resolution; 3]), ..settings.clone() };
+    let plan = plan(&solid.extent, &settings).unwrap();
+    let maps = compute_maps(&plan, settings.rule, &solid.phi, &mut |_| Ok(())).unwrap();
+    (plan, maps)
+}
+
+/// An asset with fields of double precision.
+pub fn asset_of(plan: &Plan, settings: &Settings, maps: Maps) -> Asset {
+    Asset {
+        grid: plan.grid.into(),
+        support_radius: plan.support_radius,
+        exterior: plan.exterior,
+        quadrature: QuadratureSpec {
+            name: settings.rule.to_string(),
+            degree: settings.rule.degree(),
+            points: settings.rule.points().len() as u64,
+            ball_volume: settings.rule.ball_volume(plan.support_radius),
+        },
+        band_cells: maps.cells.band,
+        solid_cells: maps.cells.solid,
+        signed_distance: Array::F64(maps.distance),
+        volume: Array::F64(maps.volume),
+        bake: Attributes::new(),
+        source: Attributes::new(),
+        diagnosis: Attributes::new(),
+    }
+}
+
+/// The map of a solid at N^3 cells.
+pub fn map_of(solid: &Solid, resolution: u32, settings: &Settings) -> VolumeMap {
+    let (plan, maps) = compute(solid, resolution, settings);
+    VolumeMap::from_asset(&asset_of(&plan, settings, maps)).unwrap()
+}

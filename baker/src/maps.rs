@@ -1,0 +1,86 @@
+//! The two fields of a map, from any signed distance: the three steps of Bender et al. 2020, section 5, with the
+//! third, sparsity, first, so that nothing is computed that is not kept.
+
+use crate::error::Error;
+use crate::plan::Plan;
+use crate::sdf::band::{BandCells, cropped, find_band};
+use crate::sdf::field::DistanceField;
+use crate::volume_map::lattice::LatticeRule;
+use crate::volume_map::quadrature::Rule;
+use glam::{DVec3, UVec3};
+use volmap_runtime::Nodes;
+
+/// Phi and V at the nodes of the band.
+#[derive(Clone, Debug)]
+pub struct Maps {
+    /// Cells of the band and of the solid.
+    pub cells: BandCells,
+    /// Numbers of the nodes.
+    pub nodes: Nodes,
+    /// Signed distance at the nodes, metres.
+    pub distance: Vec<f64>,
+    /// Boundary volume at the nodes, m^3 (Eq. 12).
+    pub volume: Vec<f64>,
+}
+
+/// A stage of the bake, for progress and timing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// Finding the cells of the band.
+    Band,
+    /// Sampling Phi at the nodes.
+    Distance,
+    /// Integrating V at the nodes.
+    Volume,
+}
+
+/// Computes both fields of the signed distance `phi` (metres, 1-Lipschitz, negative inside the solid). `enter` is
+/// called at the beginning of each stage and may stop the bake.
+///
+/// # Errors
+/// A band that is empty or too large to be numbered; what `enter` returns.
+pub fn compute_maps(
+    plan: &Plan,
+    rule: Rule,
+    phi: &(impl Fn(DVec3) -> f64 + Sync),
+    enter: &mut dyn FnMut(Stage) -> Result<(), Error>,
+) -> Result<Maps, Error> {
+    enter(Stage::Band)?;
+    let distance_grid = plan.distance_grid();
+    let found = find_band(&distance_grid, plan.band_width, phi);
+    let found_nodes = numbered(distance_grid.resolution, &found)?;
+
+    enter(Stage::Distance)?;
+    let field = DistanceField::sample(distance_grid, &found, &found_nodes, plan.exterior, phi);
+    let (cells, nodes) = match plan.margin == UVec3::ZERO {
+        true => (found, found_nodes),
+        false => cropped_cells(plan, &found)?,
+    };
+
+    enter(Stage::Volume)?;
+    let lattice = LatticeRule::new(&rule.points(), plan.support_radius, plan.grid.cell_size);
+    let volume = lattice.volumes(&field, &nodes, plan.margin);
+    let distance = match plan.margin == UVec3::ZERO {
+        true => field.values,
+        false => DistanceField::sample(plan.grid, &cells, &nodes, plan.exterior, phi).values,
+    };
+    Ok(Maps { cells, nodes, distance, volume })
+}
+
+fn numbered(resolution: UVec3, cells: &BandCells) -> Result<Nodes, Error> {
+    if cells.band.is_empty() {
+        return Err(Error::setting(
+            "--domain",
+            "no surface within 2 support radii of it; move or enlarge it",
+        ));
+    }
+    let too_many = || Error::setting("--resolution", "the band has more than 2^32 nodes; take larger cells");
+    Nodes::new(resolution, &cells.band).ok_or_else(too_many)
+}
+
+fn cropped_cells(plan: &Plan, found: &BandCells) -> Result<(BandCells, Nodes), Error> {
+    let (low, high) = (plan.margin, plan.margin + plan.grid.resolution);
+    let cells = BandCells { band: cropped(&found.band, low, high), solid: cropped(&found.solid, low, high) };
+    let nodes = numbered(plan.grid.resolution, &cells)?;
+    Ok((cells, nodes))
+}

@@ -1,0 +1,250 @@
+//! From settings to a grid: support radius, domain, cells, and what the bake will cost, before any of it is done.
+
+use crate::error::Error;
+use crate::volume_map::quadrature::Rule;
+use glam::{DVec3, UVec3};
+use std::f64::consts::PI;
+use volmap_formats::asset::Exterior;
+use volmap_runtime::Grid;
+
+/// How the cells are chosen.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum GridChoice {
+    /// Cubes of half the support radius.
+    #[default]
+    FromRadius,
+    /// This many cells along x, y, z; their edges follow from the domain.
+    Resolution([u32; 3]),
+    /// Cubes of this edge, metres; the domain grows to whole cells.
+    CellSize(f64),
+}
+
+/// Precision of the stored fields.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Precision {
+    /// Single: 2^-24 relative, far below any other error of a map.
+    #[default]
+    F32,
+    /// Double.
+    F64,
+}
+
+/// What a bake depends on beside the mesh.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Support radius r, metres; by default a twentieth of the box's diagonal, rounded to 1, 2 or 5 times a power
+    /// of ten.
+    pub support_radius: Option<f64>,
+    /// How the cells are chosen.
+    pub grid: GridChoice,
+    /// Lowest and highest corner of the domain, metres; by default all of |Phi| <= 2 r.
+    pub domain: Option<[[f64; 3]; 2]>,
+    /// Length added to the domain on every side, metres.
+    pub padding: f64,
+    /// Solid and fluid change places: for containers.
+    pub invert: bool,
+    /// Moves the zero surface outwards from the solid by this, metres.
+    pub thickness: f64,
+    /// How the volume is integrated.
+    pub rule: Rule,
+    /// Precision of the stored fields.
+    pub precision: Precision,
+    /// Limit on the estimate of memory, bytes.
+    pub max_memory: u64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Settings {
+            support_radius: None,
+            grid: GridChoice::default(),
+            domain: None,
+            padding: 0.0,
+            invert: false,
+            thickness: 0.0,
+            rule: Rule::default(),
+            precision: Precision::default(),
+            max_memory: 4 << 30,
+        }
+    }
+}
+
+/// The surface, as far as a plan needs it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extent {
+    /// Lowest corner of the surface's box, metres.
+    pub min: DVec3,
+    /// Highest corner.
+    pub max: DVec3,
+    /// Surface area, m^2.
+    pub area: f64,
+}
+
+/// The grid of a bake and its cost.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    /// Support radius r, metres.
+    pub support_radius: f64,
+    /// Half width of the band, 2 r.
+    pub band_width: f64,
+    /// The grid of the map.
+    pub grid: Grid,
+    /// Cells around `grid` where Phi is needed although the map ends: not 0 only if the domain cuts the band.
+    pub margin: UVec3,
+    /// By how much the domain cuts the band, metres, at the low and high side of each axis; 0 where it doesn't.
+    pub cut: [[f64; 3]; 2],
+    /// What lies outside the domain.
+    pub exterior: Exterior,
+    /// What the bake will cost, about.
+    pub estimate: Estimate,
+}
+
+/// What a bake will cost, from the surface's area: right to a factor of 2 for smooth surfaces.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    /// Cells of the band.
+    pub cells: u64,
+    /// Memory at its peak, bytes.
+    pub memory: u64,
+    /// Seconds on one thread.
+    pub seconds: f64,
+}
+
+/// More rows than the runtime opens.
+const MAX_ROWS: u64 = 1 << 24;
+const MAX_CELLS_PER_AXIS: f64 = (1u32 << 20) as f64;
+/// Measured on one core of an EPYC of 2023: `baker/BENCHMARKS.md`.
+const SECONDS_PER_SAMPLE: f64 = 12e-9;
+const SECONDS_PER_NODE: f64 = 4e-6;
+const BYTES_PER_NODE: u64 = 64;
+const BYTES_PER_ROW: u64 = 48;
+
+/// Plans a bake.
+///
+/// # Errors
+/// Settings that contradict each other or the surface, or a bake over the memory limit.
+pub fn plan(extent: &Extent, settings: &Settings) -> Result<Plan, Error> {
+    let support_radius = support_radius(extent, settings)?;
+    let band_width = 2.0 * support_radius;
+    let reach = band_width + finite("--thickness", settings.thickness)?.abs();
+    let needed = [extent.min - reach, extent.max + reach];
+    let [low, high] = domain(needed, settings)?;
+    let grid = grid(low, high, support_radius, settings)?;
+    let cut = [(low - needed[0]).max(DVec3::ZERO), (needed[1] - high).max(DVec3::ZERO)];
+    let cuts = cut[0].max_element().max(cut[1].max_element()) > 0.0;
+    let margin = match cuts {
+        true => (support_radius / grid.cell_size).ceil().as_uvec3() + 1,
+        false => UVec3::ZERO,
+    };
+    let estimate = estimate(extent, &grid, margin, band_width, settings);
+    if estimate.memory > settings.max_memory {
+        return Err(Error::Memory { needed: estimate.memory, allowed: settings.max_memory });
+    }
+    Ok(Plan {
+        support_radius,
+        band_width,
+        grid,
+        margin,
+        cut: cut.map(|side| side.to_array()),
+        exterior: if settings.invert { Exterior::Solid } else { Exterior::Fluid },
+        estimate,
+    })
+}
+
+impl Plan {
+    /// The grid on which Phi is sampled: the map's, grown by the margin.
+    pub fn distance_grid(&self) -> Grid {
+        Grid {
+            origin: self.grid.origin - self.margin.as_dvec3() * self.grid.cell_size,
+            cell_size: self.grid.cell_size,
+            resolution: self.grid.resolution + 2 * self.margin,
+        }
+    }
+}
+
+fn finite(option: &'static str, value: f64) -> Result<f64, Error> {
+    match value.is_finite() {
+        true => Ok(value),
+        false => Err(Error::setting(option, format!("{value} is not a finite length"))),
+    }
+}
+
+fn support_radius(extent: &Extent, settings: &Settings) -> Result<f64, Error> {
+    let diagonal = (extent.max - extent.min).length();
+    let radius = settings.support_radius.unwrap_or_else(|| rounded(diagonal / 20.0));
+    if radius > 0.0 && radius.is_finite() {
+        return Ok(radius);
+    }
+    Err(Error::setting("--support-radius", format!("{radius} is not a positive length")))
+}
+
+/// The next lower of 1, 2 or 5 times a power of ten.
+fn rounded(length: f64) -> f64 {
+    let power = 10f64.powf(length.log10().floor());
+    let step = [5.0, 2.0, 1.0].into_iter().find(|step| step * power <= length * (1.0 + 1e-12));
+    step.unwrap_or(1.0) * power
+}
+
+fn domain(needed: [DVec3; 2], settings: &Settings) -> Result<[DVec3; 2], Error> {
+    let padding = finite("--padding", settings.padding)?;
+    if padding < 0.0 {
+        return Err(Error::setting("--padding", "is negative; use --domain for a smaller domain"));
+    }
+    let [low, high] = settings.domain.map_or(needed, |corners| corners.map(DVec3::from));
+    if !(low.is_finite() && high.is_finite() && low.cmplt(high).all()) {
+        let reason = format!("{low} to {high} is not a box; give xmin,ymin,zmin,xmax,ymax,zmax");
+        return Err(Error::setting("--domain", reason));
+    }
+    Ok([low - padding, high + padding])
+}
+
+fn grid(low: DVec3, high: DVec3, support_radius: f64, settings: &Settings) -> Result<Grid, Error> {
+    let extent = high - low;
+    let (option, edge) = match settings.grid {
+        GridChoice::FromRadius => ("--support-radius", 0.5 * support_radius),
+        GridChoice::CellSize(edge) => ("--cell-size", edge),
+        GridChoice::Resolution(cells) => {
+            let resolution = UVec3::from(cells);
+            check_resolution("--resolution", resolution.as_dvec3())?;
+            return Ok(Grid { origin: low, cell_size: extent / resolution.as_dvec3(), resolution });
+        }
+    };
+    if !(edge > 0.0 && edge.is_finite()) {
+        return Err(Error::setting(option, format!("cells of {edge} m are not possible")));
+    }
+    // A domain that is whole cells but for rounding stays as it is.
+    let resolution = (extent / edge - 1e-9).ceil().max(DVec3::ONE);
+    check_resolution(option, resolution)?;
+    let origin = low - 0.5 * (resolution * edge - extent);
+    Ok(Grid { origin, cell_size: DVec3::splat(edge), resolution: resolution.as_uvec3() })
+}
+
+fn check_resolution(option: &'static str, cells: DVec3) -> Result<(), Error> {
+    let reason = if cells.min_element() < 1.0 {
+        "an axis has no cell"
+    } else if cells.max_element() > MAX_CELLS_PER_AXIS {
+        "an axis has more than 1,048,576 cells; take larger ones"
+    } else if cells.y * cells.z > MAX_ROWS as f64 {
+        "the grid has more than 2^24 rows of cells along x; take larger cells"
+    } else {
+        return Ok(());
+    };
+    Err(Error::setting(option, format!("{} x {} x {} cells: {reason}", cells.x, cells.y, cells.z)))
+}
+
+fn estimate(extent: &Extent, grid: &Grid, margin: UVec3, width: f64, settings: &Settings) -> Estimate {
+    let cell_volume = grid.cell_size.element_product();
+    let resolution = grid.resolution + 2 * margin;
+    // The band is a slab of the surface's area, with half a cell's diagonal more on each side, and round rims.
+    let depth = width + 0.5 * grid.cell_size.length();
+    let band = extent.area * 2.0 * depth + PI * depth * depth * (extent.max - extent.min).length();
+    let cells = (band / cell_volume).min(resolution.as_dvec3().element_product());
+    let nodes = 8.0 * cells;
+    let samples = nodes * settings.rule.points().len() as f64;
+    let rows = u64::from(resolution.y) * u64::from(resolution.z);
+    Estimate {
+        cells: cells as u64,
+        memory: nodes as u64 * BYTES_PER_NODE + rows * BYTES_PER_ROW,
+        seconds: samples * SECONDS_PER_SAMPLE + nodes * SECONDS_PER_NODE,
+    }
+}
