@@ -1,12 +1,13 @@
-"""Renders the sample meshes: render.py [data folder] [picture folder] [width]. Needs vtk."""
+"""Renders the sample meshes: render.py [data folder] [picture folder] [width]. Needs vtk, numpy and Pillow."""
 
 import sys
 
-import vtk
-from vtk.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 import numpy as np
+import vtk
+from PIL import Image
+from vtk.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 
-YELLOW, ORANGE, BLACK = (1.0, 0.80, 0.10), (0.95, 0.42, 0.06), (0.05, 0.05, 0.06)
+YELLOW, ORANGE, BLACK = (1.0, 0.84, 0.12), (0.95, 0.42, 0.06), (0.05, 0.05, 0.06)
 WHITE, STONE, STEEL = (1.0, 1.0, 1.0), (0.80, 0.55, 0.38), (0.62, 0.66, 0.70)
 # src/duck.rs: its head, and its box before and after it is fitted.
 HEAD, HALF = np.array((0.0, 0.96, 0.24)), np.array((0.65, 0.65, 0.75))
@@ -39,8 +40,8 @@ def paint_duck(mesh):
     p[:, 0] = np.abs(p[:, 0])
     p = (p + HALF) / (2 * HALF) * (HIGH - LOW) + LOW
     colour = np.tile(YELLOW, (len(p), 1))
-    colour[inside(p, HEAD + (0, -0.03, 0.41), (0.21, 0.085, 0.21), 0.25)] = ORANGE
-    colour[inside(p, HEAD + (0, -0.125, 0.36), (0.16, 0.065, 0.18), -0.05)] = ORANGE
+    colour[inside(p, HEAD + (0, -0.02, 0.41), (0.205, 0.085, 0.215), 0.25)] = ORANGE
+    colour[inside(p, HEAD + (0, -0.115, 0.36), (0.16, 0.07, 0.19), -0.08)] = ORANGE
     colour[inside(p, HEAD + (0.175, 0.135, 0.275), (0.071, 0.093, 0.067))] = BLACK
     colour[inside(p, HEAD + (0.172, 0.175, 0.325), (0.021, 0.025, 0.03))] = WHITE
     mesh.GetCellData().SetScalars(numpy_to_vtk((255 * colour).astype(np.uint8), deep=1))
@@ -66,7 +67,7 @@ def actor_of(mesh, colour, smooth, edges):
     actor.SetMapper(mapper)
     look = actor.GetProperty()
     look.SetColor(colour)
-    look.SetAmbient(0.2)
+    look.SetAmbient(0.22)
     look.SetDiffuse(0.85)
     look.SetSpecular(0.3 if smooth else 0.0)
     look.SetSpecularPower(40)
@@ -78,12 +79,16 @@ def actor_of(mesh, colour, smooth, edges):
     return actor
 
 
-def render(actor, picture, eye, size, zoom=1.0, target=None):
+def render(actor, picture, eye, size, zoom=1.0, target=None, colours=None):
     """Draws one actor, seen from `eye`: a direction, or a place where there is a target."""
     renderer = vtk.vtkRenderer()
     renderer.SetBackground(1, 1, 1)
     renderer.AddActor(actor)
-    vtk.vtkLightKit().AddLightsToRenderer(renderer)
+    lights = vtk.vtkLightKit()
+    lights.SetKeyLightIntensity(0.8)
+    lights.SetKeyToFillRatio(2)
+    lights.SetKeyLightAngle(45, 25)
+    lights.AddLightsToRenderer(renderer)
     camera = renderer.GetActiveCamera()
     camera.SetViewUp(0, 1, 0)
     camera.SetViewAngle(25)
@@ -104,8 +109,9 @@ def render(actor, picture, eye, size, zoom=1.0, target=None):
     writer = vtk.vtkPNGWriter()
     writer.SetFileName(picture)
     writer.SetInputConnection(grab.GetOutputPort())
-    writer.SetCompressionLevel(9)
     writer.Write()
+    image = Image.open(picture)
+    (image.quantize(colours) if colours else image).save(picture, optimize=True)
 
 
 def main(data=".", pictures="pictures", width="480"):
@@ -121,14 +127,14 @@ def main(data=".", pictures="pictures", width="480"):
         triangles = actor_of(read(f"{data}/duck.obj"), YELLOW, smooth=False, edges=True)
         render(triangles, f"{pictures}/duck_edges.png", (1.2, 0.4, 1.7), square, 1.3)
     stone = actor_of(read(f"{data}/canyon.obj"), STONE, smooth=False, edges=False)
-    render(stone, f"{pictures}/canyon.png", (4.5, 11, -11), wide, target=(0, 0.0, 9))
+    render(stone, f"{pictures}/canyon.png", (-7, 13, -8), wide, target=(0.9, 0.1, 7), colours=96)
     if width > 480:
         render(stone, f"{pictures}/canyon_top.png", (0.01, 100, 18.1), wide, target=(0, 0, 18))
         render(stone, f"{pictures}/canyon_end.png", (-4, 12, 50), wide, target=(0, 0, 28))
     grid = actor_of(read(f"{data}/grid.obj"), STEEL, smooth=False, edges=True)
-    render(grid, f"{pictures}/grid.png", (1, 1.5, 2), wide, 1.4)
+    render(grid, f"{pictures}/grid.png", (1, 1.5, 2), wide, 1.4, colours=32)
     bad = actor_of(read(f"{data}/bad_holes.obj"), YELLOW, smooth=False, edges=True)
-    render(bad, f"{pictures}/bad_holes.png", (1.2, 1.3, -1.4), square, 1.4)
+    render(bad, f"{pictures}/bad_holes.png", (1.2, 1.3, -1.4), square, 1.4, colours=32)
 
 
 main(*sys.argv[1:])

@@ -3,9 +3,7 @@
 //! Its proportions are those of the map of Bender et al. 2020, Fig. 1 (128 x 64 x 768 cells): 6.4 m wide (x),
 //! 3.2 m high (y), 38.4 m long (z). The bed falls towards +z; both of its ends are walled, so that water stays.
 
-use glam::DVec2;
-
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use crate::mesh::Mesh;
 use crate::noise::{fractal, noise};
@@ -139,7 +137,7 @@ fn height(p: DVec2) -> f64 {
     let warped = p + DVec2::new(fractal(p / 1.7, 10, 3), fractal(p / 1.7, 20, 3)) * 0.3;
     let from_river = (warped.x - river(warped.y)).abs();
     let bed_half_width = 0.62 + 0.22 * noise(DVec2::new(0.5, p.y / 3.1), 30);
-    let from_ends = (p.y - 0.9).min(SIZE.z - 0.9 - p.y) + 0.35 * fractal(p / 1.3, 40, 3);
+    let from_ends = (p.y - 1.2).min(SIZE.z - 1.2 - p.y) + 0.25 * fractal(p / 1.3, 40, 3);
 
     // 0 in the bed, 1 on the plateau.
     let side = ((from_river - bed_half_width) / 1.75).clamp(0.0, 1.0);

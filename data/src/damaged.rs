@@ -23,7 +23,7 @@ pub fn bad_duck() -> Mesh {
     }
     let copy = mesh.triangles[nearest_triangle(&mesh, DVec3::new(0.0, -0.6, 0.0))];
     mesh.triangles.push(copy);
-    add_fin(&mut mesh, DVec3::new(0.0, 0.6, -0.05));
+    add_fin(&mut mesh, DVec3::new(0.1, 0.45, -0.15));
 
     let chest = nearest_triangle(&mesh, DVec3::new(0.0, -0.25, 0.7));
     mesh.triangles.remove(chest);
@@ -58,11 +58,11 @@ fn remove_vertex(mesh: &mut Mesh, p: DVec3) {
     mesh.triangles.retain(|t| !t.contains(&vertex));
 }
 
-/// A triangle that stands upright on the first edge of the triangle nearest to p.
+/// A triangle that stands upright on the second edge of the triangle nearest to p.
 fn add_fin(mesh: &mut Mesh, p: DVec3) {
-    let [a, b, c] = mesh.triangles[nearest_triangle(mesh, p)];
+    let [c, a, b] = mesh.triangles[nearest_triangle(mesh, p)];
     let [pa, pb, pc] = mesh.corners([a, b, c]);
     let normal = (pb - pa).cross(pc - pa).normalize();
-    let tip = mesh.push((pa + pb) * 0.5 + normal * 0.1);
+    let tip = mesh.push((pa + pb) * 0.5 + normal * 0.15);
     mesh.triangles.push([a, b, tip]);
 }

@@ -27,7 +27,6 @@ pub fn duck_of_cell(cell: f64) -> Mesh {
     };
     let mut mesh = surface::mesh(solid, lattice);
     improve(&mut mesh, solid, 20);
-    eprintln!("{:?}", mesh.bounds());
     mesh.fit(-HALF_SIZE, HALF_SIZE);
     mesh
 }
@@ -81,17 +80,17 @@ fn head(p: DVec3) -> f64 {
 }
 
 fn beak(p: DVec3) -> f64 {
-    let upper_centre = HEAD + DVec3::new(0.0, -0.03, 0.41);
+    let upper_centre = HEAD + DVec3::new(0.0, -0.02, 0.41);
     let upper = ellipsoid(
         untilt(p, upper_centre, 0.25),
         upper_centre,
-        DVec3::new(0.19, 0.068, 0.20),
+        DVec3::new(0.19, 0.07, 0.205),
     );
-    let lower_centre = HEAD + DVec3::new(0.0, -0.125, 0.36);
+    let lower_centre = HEAD + DVec3::new(0.0, -0.115, 0.36);
     let lower = ellipsoid(
-        untilt(p, lower_centre, -0.05),
+        untilt(p, lower_centre, -0.08),
         lower_centre,
-        DVec3::new(0.14, 0.05, 0.17),
+        DVec3::new(0.145, 0.055, 0.18),
     );
     smooth_union(upper, lower, 0.035)
 }

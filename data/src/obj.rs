@@ -9,7 +9,7 @@ pub fn to_text(mesh: &Mesh, title: &str) -> String {
     let mut text =
         format!("# {title}\n# Made by volmap-make-data. Units: metres. Public domain (CC0 1.0).\n");
     for v in &mesh.vertices {
-        let [x, y, z] = v.to_array().map(|c| coordinate(c));
+        let [x, y, z] = v.to_array().map(coordinate);
         writeln!(text, "v {x} {y} {z}").expect("a String takes any text");
     }
     for [a, b, c] in &mesh.triangles {

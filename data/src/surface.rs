@@ -95,8 +95,8 @@ impl Samples {
         self.values[self.index(point)]
     }
 
-    /// Lower corners of the cells, or of what `margin` leaves of them on each side.
-    fn points(&self, low: UVec3, high: UVec3) -> impl Iterator<Item = UVec3> + use<> {
+    /// The lattice points from `low` to before `high`.
+    fn points(low: UVec3, high: UVec3) -> impl Iterator<Item = UVec3> {
         (low.z..high.z).flat_map(move |z| {
             (low.y..high.y).flat_map(move |y| (low.x..high.x).map(move |x| UVec3::new(x, y, z)))
         })
@@ -107,7 +107,7 @@ impl Samples {
 /// indexed like its lower corner.
 fn place_vertices(samples: &Samples, mesh: &mut Mesh) -> Vec<u32> {
     let mut net = vec![u32::MAX; samples.values.len()];
-    for cell in samples.points(UVec3::ZERO, samples.size - 1) {
+    for cell in Samples::points(UVec3::ZERO, samples.size - 1) {
         let (mut sum, mut count) = (DVec3::ZERO, 0);
         for corner in 0..8 {
             for axis in (0..3).filter(|axis| corner >> axis & 1 == 0) {
@@ -132,7 +132,7 @@ fn place_vertices(samples: &Samples, mesh: &mut Mesh) -> Vec<u32> {
 fn connect(samples: &Samples, net: &[u32], axis: usize, mesh: &mut Mesh) {
     let along = UVec3::AXES[axis];
     let (u, v) = (UVec3::AXES[(axis + 1) % 3], UVec3::AXES[(axis + 2) % 3]);
-    for a in samples.points(u + v, samples.size - 1) {
+    for a in Samples::points(u + v, samples.size - 1) {
         let inside = samples.value(a) < 0.0;
         if inside == (samples.value(a + along) < 0.0) {
             continue;
