@@ -100,8 +100,8 @@ def render(actor, picture, eye, size, zoom=1.0, target=None, colours=None):
     camera.Zoom(zoom)
     window = vtk.vtkRenderWindow()
     window.SetOffScreenRendering(1)
-    window.SetMultiSamples(8)
-    window.SetSize(*size)
+    window.SetMultiSamples(4)
+    window.SetSize(2 * size[0], 2 * size[1])
     window.AddRenderer(renderer)
     window.Render()
     grab = vtk.vtkWindowToImageFilter()
@@ -110,17 +110,17 @@ def render(actor, picture, eye, size, zoom=1.0, target=None, colours=None):
     writer.SetFileName(picture)
     writer.SetInputConnection(grab.GetOutputPort())
     writer.Write()
-    image = Image.open(picture)
+    image = Image.open(picture).resize(size, Image.LANCZOS)
     (image.quantize(colours) if colours else image).save(picture, optimize=True)
 
 
 def main(data=".", pictures="pictures", width="480"):
     width = int(width)
     square, wide = (width, width), (width, width * 2 // 3)
-    duck = smooth_normals(read(f"{data}/duck.obj"), refinements=2)
+    duck = smooth_normals(read(f"{data}/duck.obj"), refinements=3)
     paint_duck(duck)
     duck = actor_of(duck, YELLOW, smooth=True, edges=False)
-    render(duck, f"{pictures}/duck.png", (1.2, 0.45, 1.7), square, 1.4)
+    render(duck, f"{pictures}/duck.png", (1.2, 0.45, 1.7), square, 1.4, colours=256)
     if width > 480:
         for name, eye in dict(front=(0, 0, 1), side=(1, 0, 0), back=(-0.6, 0.5, -1), top=(0, 1, 0.01)).items():
             render(duck, f"{pictures}/duck_{name}.png", eye, square, 1.3)

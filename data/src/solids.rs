@@ -1,6 +1,6 @@
 //! Analytic solids as implicit functions: negative inside, about a distance near the surface.
 //!
-//! Inigo Quilez, *Distance functions* and *Smooth minimum*, https://iquilezles.org/articles/ .
+//! Inigo Quilez, *Distance functions* and *Smooth minimum*, <https://iquilezles.org/articles/>.
 
 use glam::{DVec2, DVec3};
 
