@@ -25,20 +25,14 @@ pub fn canyon() -> Mesh {
     let foot = add_walls(&mut mesh, &rim);
     add_floor(&mut mesh, &rim, &foot);
     let half = 0.5 * SIZE.x;
-    mesh.fit(
-        DVec3::new(-half, 0.0, 0.0),
-        DVec3::new(half, SIZE.y, SIZE.z),
-    );
+    mesh.fit(DVec3::new(-half, 0.0, 0.0), DVec3::new(half, SIZE.y, SIZE.z));
     mesh
 }
 
 /// Point of the plane at column i and row k of the height field, m.
 fn place(i: u32, k: u32) -> DVec2 {
     let [columns, rows] = SQUARES.map(f64::from);
-    DVec2::new(
-        (f64::from(i) / columns - 0.5) * SIZE.x,
-        f64::from(k) / rows * SIZE.z,
-    )
+    DVec2::new((f64::from(i) / columns - 0.5) * SIZE.x, f64::from(k) / rows * SIZE.z)
 }
 
 fn terrain_index(i: u32, k: u32) -> u32 {
@@ -108,12 +102,7 @@ fn add_floor(mesh: &mut Mesh, rim: &[(u32, u32)], foot: &[u32]) {
             for side in 0..4 {
                 for step in 0..size {
                     // Clockwise from above, which is counter-clockwise from below.
-                    let (di, dk) = [
-                        (step, 0),
-                        (size, step),
-                        (size - step, size),
-                        (0, size - step),
-                    ][side];
+                    let (di, dk) = [(step, 0), (size, step), (size - step, size), (0, size - step)][side];
                     let slot = terrain_index(i + di, k + dk) as usize;
                     if floor[slot] == u32::MAX && step == 0 {
                         floor[slot] = mesh.push(flat(i + di, k + dk));
@@ -125,8 +114,7 @@ fn add_floor(mesh: &mut Mesh, rim: &[(u32, u32)], foot: &[u32]) {
             }
             let middle = mesh.push(flat(i + size / 2, k + size / 2));
             for (j, &from) in ring.iter().enumerate() {
-                mesh.triangles
-                    .push([middle, from, ring[(j + 1) % ring.len()]]);
+                mesh.triangles.push([middle, from, ring[(j + 1) % ring.len()]]);
             }
         }
     }

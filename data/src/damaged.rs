@@ -12,12 +12,7 @@ use crate::mesh::Mesh;
 /// twice, and one triangle that stands on an edge of the surface like a fin.
 pub fn bad_duck() -> Mesh {
     let mut mesh = duck_of_cell(0.055);
-    for place in [
-        [0.45, -0.3, 0.35],
-        [-0.45, -0.3, 0.35],
-        [0.3, -0.4, -0.4],
-        [-0.3, -0.4, -0.4],
-    ] {
+    for place in [[0.45, -0.3, 0.35], [-0.45, -0.3, 0.35], [0.3, -0.4, -0.4], [-0.3, -0.4, -0.4]] {
         let triangle = nearest_triangle(&mesh, DVec3::from(place));
         mesh.triangles[triangle].swap(1, 2);
     }
@@ -30,10 +25,7 @@ pub fn bad_duck() -> Mesh {
     remove_vertex(&mut mesh, DVec3::new(0.35, 0.4, 0.1));
     let back = DVec3::new(0.0, 0.1, -0.4);
     let positions = mesh.vertices.clone();
-    mesh.triangles.retain(|t| {
-        t.iter()
-            .all(|&v| positions[v as usize].distance(back) > 0.16)
-    });
+    mesh.triangles.retain(|t| t.iter().all(|&v| positions[v as usize].distance(back) > 0.16));
     mesh.compact();
     mesh
 }
@@ -52,8 +44,7 @@ fn nearest_triangle(mesh: &Mesh, p: DVec3) -> usize {
 /// Removes the triangles around the vertex nearest to p.
 fn remove_vertex(mesh: &mut Mesh, p: DVec3) {
     let distance2 = |v: &u32| mesh.vertices[*v as usize].distance_squared(p);
-    let nearest =
-        (0..mesh.vertices.len() as u32).min_by(|a, b| distance2(a).total_cmp(&distance2(b)));
+    let nearest = (0..mesh.vertices.len() as u32).min_by(|a, b| distance2(a).total_cmp(&distance2(b)));
     let vertex = nearest.expect("the duck has vertices");
     mesh.triangles.retain(|t| !t.contains(&vertex));
 }

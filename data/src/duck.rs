@@ -20,11 +20,7 @@ pub fn duck() -> Mesh {
 
 /// The duck meshed with lattice cells of the given edge length, m.
 pub fn duck_of_cell(cell: f64) -> Mesh {
-    let lattice = Lattice {
-        low: DVec3::new(-0.9, -0.2, -1.1),
-        high: DVec3::new(0.9, 1.6, 1.1),
-        cell,
-    };
+    let lattice = Lattice { low: DVec3::new(-0.9, -0.2, -1.1), high: DVec3::new(0.9, 1.6, 1.1), cell };
     let mut mesh = surface::mesh(solid, lattice);
     improve(&mut mesh, solid, 20);
     mesh.fit(-HALF_SIZE, HALF_SIZE);
@@ -41,19 +37,11 @@ fn solid(p: DVec3) -> f64 {
 }
 
 fn body(p: DVec3) -> f64 {
-    let hull = ellipsoid(
-        p,
-        DVec3::new(0.0, 0.42, -0.06),
-        DVec3::new(0.55, 0.41, 0.62),
-    );
+    let hull = ellipsoid(p, DVec3::new(0.0, 0.42, -0.06), DVec3::new(0.55, 0.41, 0.62));
     let chest = ball(p, DVec3::new(0.0, 0.46, 0.20), 0.41);
     // The tail narrows upwards and backwards; shrinking x makes it wide and flat.
     let flat = DVec3::new(p.x * 0.6, p.y, p.z);
-    let tail = tapered(
-        flat,
-        [DVec3::new(0.0, 0.48, -0.42), DVec3::new(0.0, 0.80, -0.74)],
-        [0.22, 0.05],
-    );
+    let tail = tapered(flat, [DVec3::new(0.0, 0.48, -0.42), DVec3::new(0.0, 0.80, -0.74)], [0.22, 0.05]);
     let whole = smooth_union(smooth_union(hull, chest, 0.2), tail, 0.18);
     smooth_intersection(whole, 0.055 - p.y, 0.08)
 }
@@ -81,24 +69,12 @@ fn head(p: DVec3) -> f64 {
 
 fn beak(p: DVec3) -> f64 {
     let upper_centre = HEAD + DVec3::new(0.0, -0.02, 0.41);
-    let upper = ellipsoid(
-        untilt(p, upper_centre, 0.25),
-        upper_centre,
-        DVec3::new(0.19, 0.07, 0.205),
-    );
+    let upper = ellipsoid(untilt(p, upper_centre, 0.25), upper_centre, DVec3::new(0.19, 0.07, 0.205));
     let lower_centre = HEAD + DVec3::new(0.0, -0.115, 0.36);
-    let lower = ellipsoid(
-        untilt(p, lower_centre, -0.08),
-        lower_centre,
-        DVec3::new(0.145, 0.055, 0.18),
-    );
+    let lower = ellipsoid(untilt(p, lower_centre, -0.08), lower_centre, DVec3::new(0.145, 0.055, 0.18));
     smooth_union(upper, lower, 0.035)
 }
 
 fn eye(p: DVec3) -> f64 {
-    ellipsoid(
-        p,
-        HEAD + DVec3::new(0.175, 0.135, 0.275),
-        DVec3::new(0.068, 0.09, 0.064),
-    )
+    ellipsoid(p, HEAD + DVec3::new(0.175, 0.135, 0.275), DVec3::new(0.068, 0.09, 0.064))
 }

@@ -39,11 +39,7 @@ fn sides(mesh: &Mesh) -> Vec<Side> {
     for (triangle, t) in mesh.triangles.iter().enumerate() {
         for corner in 0..3 {
             let (a, b) = (t[corner], t[(corner + 1) % 3]);
-            sides.push(Side {
-                edge: [a.min(b), a.max(b)],
-                triangle,
-                corner,
-            });
+            sides.push(Side { edge: [a.min(b), a.max(b)], triangle, corner });
         }
     }
     sides.sort_unstable();
@@ -62,10 +58,7 @@ fn flip_edges(mesh: &mut Mesh) -> usize {
         let d = mesh.triangles[t.triangle][(t.corner + 2) % 3];
         let edge = [c.min(d), c.max(d)];
         let free = !touched[s.triangle] && !touched[t.triangle];
-        if !free
-            || added.contains(&edge)
-            || sides.binary_search_by_key(&edge, |side| side.edge).is_ok()
-        {
+        if !free || added.contains(&edge) || sides.binary_search_by_key(&edge, |side| side.edge).is_ok() {
             continue;
         }
         if flip_helps([a, b, c, d].map(|v| mesh.vertices[v as usize])) {

@@ -21,11 +21,7 @@ pub fn grid() -> Mesh {
     let n = is_bar.len();
     let occupied = |i: usize, k: usize| i < n && k < n && (is_bar[i] || is_bar[k]);
 
-    let mut points = Points {
-        mesh: Mesh::default(),
-        index: vec![u32::MAX; 2 * (n + 1) * (n + 1)],
-        n,
-    };
+    let mut points = Points { mesh: Mesh::default(), index: vec![u32::MAX; 2 * (n + 1) * (n + 1)], n };
     let position = |i: usize, j: usize, k: usize| DVec3::new(cuts[i], heights[j], cuts[k]);
     for k in 0..n {
         for i in (0..n).filter(|&i| occupied(i, k)) {
@@ -60,11 +56,7 @@ struct Points {
 }
 
 impl Points {
-    fn get(
-        &mut self,
-        [i, j, k]: [usize; 3],
-        position: impl Fn(usize, usize, usize) -> DVec3,
-    ) -> u32 {
+    fn get(&mut self, [i, j, k]: [usize; 3], position: impl Fn(usize, usize, usize) -> DVec3) -> u32 {
         let slot = (k * 2 + j) * (self.n + 1) + i;
         if self.index[slot] == u32::MAX {
             self.index[slot] = self.mesh.push(position(i, j, k));

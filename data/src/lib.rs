@@ -38,30 +38,14 @@ pub struct Sample {
 pub fn samples() -> Vec<Sample> {
     let sample = |file, title, mesh| Sample { file, title, mesh };
     vec![
-        sample(
-            "duck.obj",
-            "A bath duck, closed, 1.3 x 1.3 x 1.5 m, y up, beak towards +z",
-            duck::duck(),
-        ),
+        sample("duck.obj", "A bath duck, closed, 1.3 x 1.3 x 1.5 m, y up, beak towards +z", duck::duck()),
         sample(
             "canyon.obj",
             "A canyon, closed, 6.4 x 3.2 x 38.4 m, y up, downstream is +z",
             canyon::canyon(),
         ),
-        sample(
-            "grid.obj",
-            "A thin grid of 9 x 9 holes, closed, 1 x 0.03 x 1 m",
-            lattice::grid(),
-        ),
-        sample(
-            "bad_holes.obj",
-            "A duck with known damage: see README.md",
-            damaged::bad_duck(),
-        ),
-        sample(
-            "tank.obj",
-            "A cube of 3.1 m, closed, to be baked inverted as a tank",
-            tank::tank(),
-        ),
+        sample("grid.obj", "A thin grid of 9 x 9 holes, closed, 1 x 0.03 x 1 m", lattice::grid()),
+        sample("bad_holes.obj", "A duck with known damage: see README.md", damaged::bad_duck()),
+        sample("tank.obj", "A cube of 3.1 m, closed, to be baked inverted as a tank", tank::tank()),
     ]
 }

@@ -25,8 +25,7 @@ impl Mesh {
 
     /// Adds the quadrilateral a, b, c, d (counter-clockwise), split along its shorter diagonal.
     pub fn push_quad(&mut self, [a, b, c, d]: [u32; 4]) {
-        let length2 =
-            |i: u32, j: u32| self.vertices[i as usize].distance_squared(self.vertices[j as usize]);
+        let length2 = |i: u32, j: u32| self.vertices[i as usize].distance_squared(self.vertices[j as usize]);
         if length2(a, c) <= length2(b, d) {
             self.triangles.extend([[a, b, c], [a, c, d]]);
         } else {
@@ -38,9 +37,7 @@ impl Mesh {
     pub fn bounds(&self) -> (DVec3, DVec3) {
         self.vertices
             .iter()
-            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), &v| {
-                (low.min(v), high.max(v))
-            })
+            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), &v| (low.min(v), high.max(v)))
     }
 
     /// Enclosed volume, m^3: positive when the triangles face outwards.

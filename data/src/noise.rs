@@ -34,17 +34,8 @@ pub fn fractal(p: DVec2, layer: u32, octaves: u32) -> f64 {
 /// One of 8 directions.
 fn slope(hash: u32) -> DVec2 {
     const D: f64 = std::f64::consts::FRAC_1_SQRT_2;
-    [
-        (1.0, 0.0),
-        (D, D),
-        (0.0, 1.0),
-        (-D, D),
-        (-1.0, 0.0),
-        (-D, -D),
-        (0.0, -1.0),
-        (D, -D),
-    ]
-    .map(DVec2::from)[(hash >> 29) as usize]
+    [(1.0, 0.0), (D, D), (0.0, 1.0), (-D, D), (-1.0, 0.0), (-D, -D), (0.0, -1.0), (D, -D)].map(DVec2::from)
+        [(hash >> 29) as usize]
 }
 
 /// Mixes the bits of a lattice point (finalizer of MurmurHash3, Appleby 2011).

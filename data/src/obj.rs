@@ -22,9 +22,5 @@ pub fn to_text(mesh: &Mesh, title: &str) -> String {
 fn coordinate(value: f64) -> String {
     let text = format!("{value:.5}");
     let short = text.trim_end_matches('0').trim_end_matches('.');
-    if short == "-0" {
-        "0".to_owned()
-    } else {
-        short.to_owned()
-    }
+    if short == "-0" { "0".to_owned() } else { short.to_owned() }
 }

@@ -14,11 +14,7 @@ pub fn ellipsoid(p: DVec3, centre: DVec3, radii: DVec3) -> f64 {
     let q = (p - centre) / radii;
     let gradient = (q / radii).length();
     let k = q.length();
-    if gradient == 0.0 {
-        -radii.min_element()
-    } else {
-        k * (k - 1.0) / gradient
-    }
+    if gradient == 0.0 { -radii.min_element() } else { k * (k - 1.0) / gradient }
 }
 
 /// Segment a-b thickened by a radius that runs linearly from `radius_a` to `radius_b`, with round ends.

@@ -62,21 +62,12 @@ struct Samples {
 
 impl Samples {
     fn new(field: Field, lattice: Lattice) -> Self {
-        let size = ((lattice.high - lattice.low) / lattice.cell)
-            .ceil()
-            .as_uvec3()
-            + 1;
-        let mut samples = Self {
-            lattice,
-            size,
-            values: Vec::new(),
-        };
+        let size = ((lattice.high - lattice.low) / lattice.cell).ceil().as_uvec3() + 1;
+        let mut samples = Self { lattice, size, values: Vec::new() };
         for z in 0..size.z {
             for y in 0..size.y {
                 for x in 0..size.x {
-                    samples
-                        .values
-                        .push(field(samples.position(UVec3::new(x, y, z))));
+                    samples.values.push(field(samples.position(UVec3::new(x, y, z))));
                 }
             }
         }

@@ -14,14 +14,7 @@ pub fn tank() -> Mesh {
         let bit = |axis: u8| f64::from(corner >> axis & 1);
         mesh.push(DVec3::new(bit(0) - 0.5, bit(1), bit(2) - 0.5) * SIZE);
     }
-    for quad in [
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-    ] {
+    for quad in [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]] {
         mesh.push_quad(quad);
     }
     mesh

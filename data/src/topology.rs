@@ -36,30 +36,20 @@ impl Topology {
         for (triangle, t) in mesh.triangles.iter().enumerate() {
             for corner in 0..3 {
                 let (a, b) = (t[corner], t[(corner + 1) % 3]);
-                edges
-                    .entry([a.min(b), a.max(b)])
-                    .or_default()
-                    .push((triangle, a < b));
+                edges.entry([a.min(b), a.max(b)]).or_default().push((triangle, a < b));
             }
             let mut sorted = *t;
             sorted.sort_unstable();
             *seen.entry(sorted).or_default() += 1;
             degenerate_triangles += usize::from(sorted[0] == sorted[1] || sorted[1] == sorted[2]);
         }
-        let boundary: Vec<[u32; 2]> = edges
-            .iter()
-            .filter(|(_, s)| s.len() == 1)
-            .map(|(e, _)| *e)
-            .collect();
+        let boundary: Vec<[u32; 2]> = edges.iter().filter(|(_, s)| s.len() == 1).map(|(e, _)| *e).collect();
         let (components, unused_vertices) = components(mesh);
         Self {
             boundary_edges: boundary.len(),
             boundary_loops: loops(&boundary, mesh.vertices.len()),
             nonmanifold_edges: edges.values().filter(|s| s.len() > 2).count(),
-            flipped_edges: edges
-                .values()
-                .filter(|s| s.len() == 2 && s[0].1 == s[1].1)
-                .count(),
+            flipped_edges: edges.values().filter(|s| s.len() == 2 && s[0].1 == s[1].1).count(),
             nonmanifold_vertices: nonmanifold_vertices(mesh, &edges),
             duplicate_triangles: seen.values().map(|n| n - 1).sum(),
             degenerate_triangles,
@@ -70,11 +60,7 @@ impl Topology {
 
     /// Whether the mesh bounds a solid: closed, manifold and consistently oriented.
     pub fn is_closed_manifold(&self) -> bool {
-        *self
-            == Self {
-                components: self.components,
-                ..Self::default()
-            }
+        *self == Self { components: self.components, ..Self::default() }
     }
 }
 
@@ -112,20 +98,14 @@ fn loops(boundary: &[[u32; 2]], vertex_count: usize) -> usize {
     for v in 0..vertex_count {
         closed[sets.find(v)] &= degree[v] == 2;
     }
-    (0..vertex_count)
-        .filter(|&v| sets.find(v) == v && closed[v])
-        .count()
+    (0..vertex_count).filter(|&v| sets.find(v) == v && closed[v]).count()
 }
 
 fn nonmanifold_vertices(mesh: &Mesh, edges: &BTreeMap<[u32; 2], Vec<(usize, bool)>>) -> usize {
     // One element per triangle corner; an edge joins the corners at each of its two ends.
     let mut sets = Sets::new(3 * mesh.triangles.len());
     let corner = |triangle: usize, v: u32| {
-        3 * triangle
-            + mesh.triangles[triangle]
-                .iter()
-                .position(|&w| w == v)
-                .expect("an end of its edge")
+        3 * triangle + mesh.triangles[triangle].iter().position(|&w| w == v).expect("an end of its edge")
     };
     for (ends, sides) in edges {
         for pair in sides.windows(2) {
@@ -151,8 +131,6 @@ fn components(mesh: &Mesh) -> (usize, usize) {
             used[v as usize] = true;
         }
     }
-    let roots = (0..used.len())
-        .filter(|&v| used[v] && sets.find(v) == v)
-        .count();
+    let roots = (0..used.len()).filter(|&v| used[v] && sets.find(v) == v).count();
     (roots, used.iter().filter(|&&u| !u).count())
 }

@@ -16,14 +16,7 @@ fn egg(p: DVec3) -> f64 {
 }
 
 fn egg_mesh(cell: f64) -> Mesh {
-    surface::mesh(
-        egg,
-        Lattice {
-            low: DVec3::splat(-1.03),
-            high: DVec3::splat(1.03),
-            cell,
-        },
-    )
+    surface::mesh(egg, Lattice { low: DVec3::splat(-1.03), high: DVec3::splat(1.03), cell })
 }
 
 #[test]
@@ -33,10 +26,7 @@ fn meshed_ellipsoid_converges_to_second_order() {
         let mesh = egg_mesh(cell);
         assert!(Topology::of(&mesh).is_closed_manifold());
         for v in &mesh.vertices {
-            assert!(
-                ((*v / RADII).length() - 1.0).abs() < 1e-9,
-                "{v} is off the surface"
-            );
+            assert!(((*v / RADII).length() - 1.0).abs() < 1e-9, "{v} is off the surface");
         }
         (volume - mesh.volume()) / volume
     };
@@ -59,16 +49,8 @@ fn improving_keeps_the_surface_and_widens_the_smallest_angle() {
     let before = smallest(&mesh);
     improve(&mut mesh, egg, 20);
     assert!(Topology::of(&mesh).is_closed_manifold());
-    assert!(
-        mesh.vertices
-            .iter()
-            .all(|v| ((*v / RADII).length() - 1.0).abs() < 1e-9)
-    );
-    assert!(
-        before < 20.0 && smallest(&mesh) > 30.0,
-        "{before} {}",
-        smallest(&mesh)
-    );
+    assert!(mesh.vertices.iter().all(|v| ((*v / RADII).length() - 1.0).abs() < 1e-9));
+    assert!(before < 20.0 && smallest(&mesh) > 30.0, "{before} {}", smallest(&mesh));
 }
 
 #[test]
@@ -76,24 +58,13 @@ fn solids_vanish_where_they_should() {
     let on_egg = DVec3::new(0.9 * 0.48, 0.6 * 0.6, 0.4 * 0.64);
     assert!(egg(on_egg).abs() < 1e-12);
     assert!(egg(DVec3::ZERO) < 0.0);
-    let limb = tapered(
-        DVec3::new(2.0, 0.25, 0.0),
-        [DVec3::X, 3.0 * DVec3::X],
-        [0.3, 0.2],
-    );
+    let limb = tapered(DVec3::new(2.0, 0.25, 0.0), [DVec3::X, 3.0 * DVec3::X], [0.3, 0.2]);
     assert!(limb.abs() < 1e-12);
     // A fillet only adds, by at most k / 4, and ends where the two differ by k.
     assert_eq!(smooth_union(0.3, 0.5, 0.2), 0.3);
     assert!((smooth_union(0.3, 0.3, 0.2) - 0.25).abs() < 1e-12);
-    let turned = untilt(
-        DVec3::new(0.5, 2.0 + 3.0, 1.0 + 4.0),
-        DVec3::new(0.0, 2.0, 1.0),
-        0.75,
-    );
-    assert!(
-        turned.distance(DVec3::new(0.5, 2.0, 6.0)) < 1e-12,
-        "{turned}"
-    );
+    let turned = untilt(DVec3::new(0.5, 2.0 + 3.0, 1.0 + 4.0), DVec3::new(0.0, 2.0, 1.0), 0.75);
+    assert!(turned.distance(DVec3::new(0.5, 2.0, 6.0)) < 1e-12, "{turned}");
 }
 
 #[test]
@@ -134,38 +105,20 @@ fn topology_counts_known_defects() {
 
     let mut turned = tank();
     turned.triangles[5].swap(0, 1);
-    assert_eq!(
-        Topology::of(&turned),
-        Topology {
-            flipped_edges: 3,
-            ..good
-        }
-    );
+    assert_eq!(Topology::of(&turned), Topology { flipped_edges: 3, ..good });
 
     let mut copied = tank();
     copied.triangles.push(copied.triangles[0]);
-    let expected = Topology {
-        nonmanifold_edges: 3,
-        duplicate_triangles: 1,
-        ..good
-    };
+    let expected = Topology { nonmanifold_edges: 3, duplicate_triangles: 1, ..good };
     assert_eq!(Topology::of(&copied), expected);
 
     // Two cubes that share a corner, and a vertex that nothing uses.
     let mut pinched = tank();
     let (other, shift) = (tank(), 8 - 1);
-    pinched
-        .vertices
-        .extend(other.vertices[1..].iter().map(|&v| v + DVec3::splat(9.0)));
+    pinched.vertices.extend(other.vertices[1..].iter().map(|&v| v + DVec3::splat(9.0)));
     let index = |v: u32| if v == 0 { 7 } else { v + shift };
-    pinched
-        .triangles
-        .extend(other.triangles.iter().map(|t| t.map(index)));
+    pinched.triangles.extend(other.triangles.iter().map(|t| t.map(index)));
     pinched.push(DVec3::ZERO);
-    let expected = Topology {
-        nonmanifold_vertices: 1,
-        unused_vertices: 1,
-        ..good
-    };
+    let expected = Topology { nonmanifold_vertices: 1, unused_vertices: 1, ..good };
     assert_eq!(Topology::of(&pinched), expected);
 }

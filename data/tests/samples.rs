@@ -13,11 +13,7 @@ use volmap_data::{mesh::Mesh, obj, samples};
 fn committed_files_are_what_the_program_makes() {
     for sample in samples() {
         let made = obj::to_text(&sample.mesh, sample.title);
-        assert!(
-            made == support::text(sample.file),
-            "{} differs: run volmap-make-data",
-            sample.file
-        );
+        assert!(made == support::text(sample.file), "{} differs: run volmap-make-data", sample.file);
     }
 }
 
@@ -26,28 +22,11 @@ fn files_are_small_and_hold_every_vertex_and_triangle() {
     for sample in samples() {
         let (mesh, length) = (read(sample.file), support::text(sample.file).len());
         assert_eq!(mesh.triangles, sample.mesh.triangles, "{}", sample.file);
-        assert_eq!(
-            mesh.vertices.len(),
-            sample.mesh.vertices.len(),
-            "{}",
-            sample.file
-        );
+        assert_eq!(mesh.vertices.len(), sample.mesh.vertices.len(), "{}", sample.file);
         for (rounded, exact) in mesh.vertices.iter().zip(&sample.mesh.vertices) {
-            assert!(
-                (*rounded - *exact).abs().max_element() <= 0.500001e-5,
-                "{}",
-                sample.file
-            );
+            assert!((*rounded - *exact).abs().max_element() <= 0.500001e-5, "{}", sample.file);
         }
-        assert!(
-            length
-                < if sample.file == "canyon.obj" {
-                    3_000_000
-                } else {
-                    1_500_000
-                },
-            "{length}"
-        );
+        assert!(length < if sample.file == "canyon.obj" { 3_000_000 } else { 1_500_000 }, "{length}");
     }
 }
 
@@ -57,35 +36,11 @@ type Stated = (&'static str, usize, i64, [DVec3; 2], f64);
 fn stated() -> [Stated; 4] {
     let v = DVec3::new;
     [
-        (
-            "duck.obj",
-            DUCK,
-            2,
-            [v(-0.65, -0.65, -0.75), v(0.65, 0.65, 0.75)],
-            DUCK_VOLUME,
-        ),
-        (
-            "canyon.obj",
-            65_808,
-            2,
-            [v(-3.2, 0.0, 0.0), v(3.2, 3.2, 38.4)],
-            404.5005,
-        ),
+        ("duck.obj", DUCK, 2, [v(-0.65, -0.65, -0.75), v(0.65, 0.65, 0.75)], DUCK_VOLUME),
+        ("canyon.obj", 65_808, 2, [v(-3.2, 0.0, 0.0), v(3.2, 3.2, 38.4)], 404.5005),
         // 81 holes through a ball: 2 - 2 * 81. Volume: 10 bars each way, less their 100 crossings.
-        (
-            "grid.obj",
-            4_800,
-            -160,
-            [v(-0.5, -0.015, -0.5), v(0.5, 0.015, 0.5)],
-            2e1 * 9e-4 - 1e2 * 2.7e-5,
-        ),
-        (
-            "tank.obj",
-            12,
-            2,
-            [v(-1.55, 0.0, -1.55), v(1.55, 3.1, 1.55)],
-            29.791,
-        ),
+        ("grid.obj", 4_800, -160, [v(-0.5, -0.015, -0.5), v(0.5, 0.015, 0.5)], 2e1 * 9e-4 - 1e2 * 2.7e-5),
+        ("tank.obj", 12, 2, [v(-1.55, 0.0, -1.55), v(1.55, 3.1, 1.55)], 29.791),
     ]
 }
 
@@ -102,18 +57,11 @@ fn good_meshes_are_single_closed_oriented_manifolds() {
     for (file, triangles, euler, [low, high], volume) in stated() {
         let mesh = read(file);
         let topology = Topology::of(&mesh);
-        assert!(
-            topology.is_closed_manifold() && topology.components == 1,
-            "{file}: {topology:?}"
-        );
+        assert!(topology.is_closed_manifold() && topology.components == 1, "{file}: {topology:?}");
         assert_eq!(mesh.triangles.len(), triangles, "{file}");
         assert_eq!(euler_characteristic(&mesh), euler, "{file}");
         assert_eq!(mesh.bounds(), (low, high), "{file}");
-        assert!(
-            (mesh.volume() - volume).abs() < 1e-4,
-            "{file}: {}",
-            mesh.volume()
-        );
+        assert!((mesh.volume() - volume).abs() < 1e-4, "{file}: {}", mesh.volume());
     }
 }
 
@@ -136,8 +84,7 @@ fn intersections_are_seen() {
     assert_eq!(intersections(&mesh), 0);
     let first = mesh.vertices.len() as u32;
     mesh.vertices.extend(poking.vertices);
-    mesh.triangles
-        .extend(poking.triangles.iter().map(|t| t.map(|v| v + first)));
+    mesh.triangles.extend(poking.triangles.iter().map(|t| t.map(|v| v + first)));
     assert!(intersections(&mesh) >= 4);
 }
 
@@ -147,16 +94,8 @@ fn duck_has_no_slivers_and_no_folds() {
     let mut angles = min_angles(&mesh);
     angles.sort_by(f64::total_cmp);
     assert!(angles[0] > 20.0, "smallest angle {}", angles[0]);
-    assert!(
-        angles[angles.len() / 100] > 35.0,
-        "1 % have less than {}",
-        angles[angles.len() / 100]
-    );
-    assert!(
-        angles[angles.len() / 2] > 50.0,
-        "half have less than {}",
-        angles[angles.len() / 2]
-    );
+    assert!(angles[angles.len() / 100] > 35.0, "1 % have less than {}", angles[angles.len() / 100]);
+    assert!(angles[angles.len() / 2] > 50.0, "half have less than {}", angles[angles.len() / 2]);
     assert!(sharpest_fold(&mesh) < 75.0, "fold {}", sharpest_fold(&mesh));
 }
 
@@ -178,16 +117,10 @@ fn canyon_holds_water() {
         let (i, k) = (i % columns, i / columns);
         i == 0 || i == columns - 1 || k == 0 || k == rows - 1
     });
-    let lowest = rim
-        .map(|i| mesh.vertices[i].y)
-        .fold(f64::INFINITY, f64::min);
+    let lowest = rim.map(|i| mesh.vertices[i].y).fold(f64::INFINITY, f64::min);
     assert!(lowest > 1.8, "{lowest}");
     // The bed is below 0.75 m, all the way between the two ends.
-    for row in mesh.vertices[..columns * rows]
-        .chunks_exact(columns)
-        .skip(20)
-        .take(rows - 40)
-    {
+    for row in mesh.vertices[..columns * rows].chunks_exact(columns).skip(20).take(rows - 40) {
         let bed = row.iter().map(|v| v.y).fold(f64::INFINITY, f64::min);
         assert!(bed > 0.1 && bed < 0.75, "{bed} at z = {}", row[0].z);
     }
@@ -224,13 +157,6 @@ fn repairing_the_stated_damage_gives_a_closed_duck() {
     let mut mesh = read("bad_holes.obj");
     support::repair(&mut mesh);
     let topology = Topology::of(&mesh);
-    assert!(
-        topology.is_closed_manifold() && topology.components == 1,
-        "{topology:?}"
-    );
-    assert!(
-        (mesh.volume() - DUCK_VOLUME).abs() < 0.02,
-        "{}",
-        mesh.volume()
-    );
+    assert!(topology.is_closed_manifold() && topology.components == 1, "{topology:?}");
+    assert!((mesh.volume() - DUCK_VOLUME).abs() < 0.02, "{}", mesh.volume());
 }

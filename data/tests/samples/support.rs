@@ -45,9 +45,7 @@ pub fn sharpest_fold(mesh: &Mesh) -> f64 {
         let [a, b, c] = mesh.corners(mesh.triangles[triangle]);
         (b - a).cross(c - a)
     };
-    let fold = |(&[a, b], s): (&[u32; 2], &Vec<usize>)| {
-        normal(s[0]).angle_between(normal(sides[&[b, a]][0]))
-    };
+    let fold = |(&[a, b], s): (&[u32; 2], &Vec<usize>)| normal(s[0]).angle_between(normal(sides[&[b, a]][0]));
     sides.iter().map(fold).fold(0.0, f64::max).to_degrees()
 }
 
@@ -69,9 +67,7 @@ pub fn intersections(mesh: &Mesh) -> usize {
         let [a, b] = e.map(|v| mesh.vertices[v as usize]);
         a.distance(b)
     });
-    let (sum, count) = edge_lengths.fold((0.0, 0.0), |(sum, count), length| {
-        (sum + length, count + 1.0)
-    });
+    let (sum, count) = edge_lengths.fold((0.0, 0.0), |(sum, count), length| (sum + length, count + 1.0));
     let cell = 2.0 * sum / count;
 
     let mut buckets: HashMap<IVec3, Vec<usize>> = HashMap::new();
@@ -83,10 +79,7 @@ pub fn intersections(mesh: &Mesh) -> usize {
     let mut found = BTreeSet::new();
     for [a, b] in directed_edges(mesh).into_keys() {
         let ends = [a, b].map(|v| mesh.vertices[v as usize]);
-        for i in cells(&ends, cell)
-            .filter_map(|key| buckets.get(&key))
-            .flatten()
-        {
+        for i in cells(&ends, cell).filter_map(|key| buckets.get(&key)).flatten() {
             let t = mesh.triangles[*i];
             if !t.contains(&a) && !t.contains(&b) && pierces(ends, mesh.corners(t)) {
                 found.insert((a.min(b), a.max(b), *i));
@@ -100,10 +93,7 @@ pub fn intersections(mesh: &Mesh) -> usize {
 fn cells(points: &[DVec3], cell: f64) -> impl Iterator<Item = IVec3> + use<> {
     let low = points.iter().fold(DVec3::INFINITY, |m, &p| m.min(p));
     let high = points.iter().fold(DVec3::NEG_INFINITY, |m, &p| m.max(p));
-    let (low, high) = (
-        (low / cell).floor().as_ivec3(),
-        (high / cell).floor().as_ivec3(),
-    );
+    let (low, high) = ((low / cell).floor().as_ivec3(), (high / cell).floor().as_ivec3());
     (low.z..=high.z).flat_map(move |z| {
         (low.y..=high.y).flat_map(move |y| (low.x..=high.x).map(move |x| IVec3::new(x, y, z)))
     })
@@ -120,11 +110,7 @@ fn pierces([p, q]: [DVec3; 2], [a, b, c]: [DVec3; 3]) -> bool {
 fn hole_edges(mesh: &Mesh) -> BTreeMap<u32, u32> {
     let sides = directed_edges(mesh);
     let count = |e: &[u32; 2]| sides.get(e).map_or(0, Vec::len);
-    sides
-        .keys()
-        .filter(|&&[a, b]| count(&[a, b]) + count(&[b, a]) == 1)
-        .map(|&[a, b]| (b, a))
-        .collect()
+    sides.keys().filter(|&&[a, b]| count(&[a, b]) + count(&[b, a]) == 1).map(|&[a, b]| (b, a)).collect()
 }
 
 /// The closed loops of boundary edges, each as the vertices in turn.
@@ -159,18 +145,13 @@ fn edge_counts(mesh: &Mesh) -> Vec<[(usize, usize); 3]> {
     let sides = directed_edges(mesh);
     let count = |a: u32, b: u32| sides.get(&[a, b]).map_or(0, Vec::len);
     let both = |[a, b]: [u32; 2]| (count(a, b), count(a, b) + count(b, a));
-    mesh.triangles
-        .iter()
-        .map(|&[a, b, c]| [[a, b], [b, c], [c, a]].map(both))
-        .collect()
+    mesh.triangles.iter().map(|&[a, b, c]| [[a, b], [b, c], [c, a]].map(both)).collect()
 }
 
 /// The triangles that disagree in orientation with each of their three neighbours.
 pub fn turned(mesh: &Mesh) -> Vec<usize> {
     let counts = edge_counts(mesh);
-    (0..counts.len())
-        .filter(|&i| counts[i] == [(2, 2); 3])
-        .collect()
+    (0..counts.len()).filter(|&i| counts[i] == [(2, 2); 3]).collect()
 }
 
 /// The triangles that hang on an edge of two others, with both other edges free.
@@ -209,8 +190,7 @@ pub fn repair(mesh: &mut Mesh) {
         let sum: DVec3 = ring.iter().map(|&v| mesh.vertices[v as usize]).sum();
         let middle = mesh.push(sum / ring.len() as f64);
         for (i, &from) in ring.iter().enumerate() {
-            mesh.triangles
-                .push([middle, from, ring[(i + 1) % ring.len()]]);
+            mesh.triangles.push([middle, from, ring[(i + 1) % ring.len()]]);
         }
     }
 }
