@@ -21,9 +21,15 @@ pub enum Cell {
 pub struct NodeNumbers {
     bases: [u32; 12],
     steps: u32,
+    cell: u32,
 }
 
 impl NodeNumbers {
+    /// Number of the cell among the stored ones, by (k, j, i).
+    pub fn cell(&self) -> usize {
+        self.cell as usize
+    }
+
     /// All 32 numbers.
     pub fn all(&self) -> [u32; NODES] {
         let mut out = [0; NODES];
@@ -55,13 +61,28 @@ struct Run {
 
 const SOLID: u32 = u32::MAX;
 
+impl RunBases {
+    fn numbers(&self, steps: u32) -> NodeNumbers {
+        NodeNumbers { bases: self.nodes, steps, cell: self.cell + steps }
+    }
+}
+
 /// Finds cells; memory in proportion to the rows of the grid and the runs of the band.
 #[derive(Clone, Debug)]
 pub struct CellIndex {
     resolution: UVec3,
     row_start: Vec<u32>,
     runs: Vec<Run>,
-    bases: Vec<[u32; 12]>,
+    bases: Vec<RunBases>,
+    /// Stored cells.
+    count: u32,
+}
+
+/// Where the numbers of a run's first cell start.
+#[derive(Clone, Copy, Debug)]
+struct RunBases {
+    nodes: [u32; 12],
+    cell: u32,
 }
 
 impl CellIndex {
@@ -84,8 +105,24 @@ impl CellIndex {
             runs[begin..].sort_unstable_by_key(|run| run.first);
             row_start.push(runs.len() as u32);
         }
-        let bases = band.iter().map(|&run| nodes.bases(run)).collect();
-        CellIndex { resolution, row_start, runs, bases }
+        let mut cell = 0;
+        let numbered = |run: &CellRun| {
+            let bases = RunBases { nodes: nodes.bases(*run), cell };
+            cell += run.len;
+            bases
+        };
+        let bases = band.iter().map(numbered).collect();
+        CellIndex { resolution, row_start, runs, bases, count: cell }
+    }
+
+    /// Every stored cell, by its number.
+    pub fn stored(&self) -> impl Iterator<Item = NodeNumbers> + '_ {
+        let end = |at: usize| self.bases.get(at + 1).map_or(self.count, |next| next.cell);
+        let cells = move |(at, bases): (usize, &RunBases)| {
+            let bases = *bases;
+            (0..end(at) - bases.cell).map(move |steps| bases.numbers(steps))
+        };
+        self.bases.iter().enumerate().flat_map(cells)
     }
 
     /// Bytes held in memory.
@@ -102,7 +139,7 @@ impl CellIndex {
         match runs.get(runs.partition_point(|run| run.end <= cell.x)) {
             Some(run) if run.first <= cell.x => match run.bases {
                 SOLID => Cell::Solid,
-                at => Cell::Band(NodeNumbers { bases: self.bases[at as usize], steps: cell.x - run.first }),
+                at => Cell::Band(self.bases[at as usize].numbers(cell.x - run.first)),
             },
             _ => Cell::Fluid,
         }

@@ -4,9 +4,12 @@
 //! of the node: corner, or one of the two thirds of an edge along x, y or z; 7 classes. So the 32 shape values of a
 //! (class, point) are computed once. The points of a class are grouped by the cell, relative to the node's, that
 //! they fall into; sampling Phi for a row of nodes is then, for each group, a product of
-//! [points of the group x 32] shape values with [32 x cells of the row] node values.
+//! [points of the group x 32] shape values with [32 x cells of the row] node values. Cells in which gamma* is known
+//! to be 0 or 1 everywhere need no product.
 
-use super::extension::extension;
+use super::bounds::{Bounds, Content};
+use super::dispatch::{self, Integral};
+use super::kernel::{Block, LANES};
 use super::quadrature::Point;
 use crate::rows::{NodeRow, fill_rows};
 use crate::sdf::field::DistanceField;
@@ -18,10 +21,8 @@ use volmap_runtime::{Cell, Family, Nodes};
 struct Group {
     /// The cell, from the node's lattice point.
     cell: IVec3,
-    /// Shape value of node a at point p: `shape[a * points + p]`.
-    shape: Vec<f64>,
-    /// Weight of each point.
-    weights: Vec<f64>,
+    /// Shape values and weights of its points.
+    blocks: Vec<Block>,
     /// Sum of the weights.
     total: f64,
 }
@@ -31,6 +32,7 @@ pub struct LatticeRule {
     /// Per family, per node of a lattice point.
     classes: [Vec<Vec<Group>>; 4],
     radius: f64,
+    integral: Integral,
 }
 
 impl LatticeRule {
@@ -39,23 +41,24 @@ impl LatticeRule {
         let class = |family: Family, t: u32| groups(points, radius / cell_size, family.offset(t));
         let classes = Family::ALL
             .map(|family| (0..family.nodes_per_point()).map(|t| class(family, t)).collect::<Vec<_>>());
-        LatticeRule { classes, radius }
+        LatticeRule { classes, radius, integral: dispatch::integral() }
     }
 
     /// Boundary volume at every node, m^3. The nodes' lattice lies `shift` cells inside the field's grid.
     pub fn volumes(&self, field: &DistanceField, nodes: &Nodes, shift: UVec3) -> Vec<f64> {
+        let contents = Bounds::new().contents(field, self.radius);
         fill_rows(nodes, |row, out| {
             let per_point = row.family.nodes_per_point() as usize;
             for (t, class) in self.classes[row.family as usize].iter().enumerate() {
                 let sums = out.iter_mut().skip(t).step_by(per_point);
-                self.row(field, class, row, shift, sums);
+                self.row((field, &contents), class, row, shift, sums);
             }
         })
     }
 
     fn row<'a>(
         &self,
-        field: &DistanceField,
+        (field, contents): (&DistanceField, &[Content]),
         class: &[Group],
         row: NodeRow,
         shift: UVec3,
@@ -63,35 +66,23 @@ impl LatticeRule {
     ) {
         let at = |node: u32, shift: u32, step: i32| i64::from(node) + i64::from(shift) + i64::from(step);
         let mut sums = vec![0.0; (row.end - row.first) as usize];
-        let mut phi = Vec::new();
         for group in class {
             let (j, k) = (at(row.j, shift.y, group.cell.y), at(row.k, shift.z, group.cell.z));
             for (sum, i) in sums.iter_mut().zip(row.first..) {
                 *sum += match field.cell(at(i, shift.x, group.cell.x), j, k) {
                     Cell::Fluid => 0.0,
                     Cell::Solid => group.total,
+                    Cell::Band(numbers) if contents[numbers.cell()] == Content::Zero => 0.0,
+                    Cell::Band(numbers) if contents[numbers.cell()] == Content::One => group.total,
                     Cell::Band(numbers) => {
                         let nodes = numbers.all().map(|number| field.values[number as usize]);
-                        group.integral(&nodes, 1.0 / self.radius, &mut phi)
+                        (self.integral)(&group.blocks, &nodes, 1.0 / self.radius)
                     }
                 };
             }
         }
         let cube = self.radius.powi(3);
         out.zip(sums).for_each(|(value, sum)| *value = cube * sum);
-    }
-}
-
-impl Group {
-    /// Weighted sum of gamma*(Phi) over the group's points, Phi being interpolated from a cell's 32 values.
-    fn integral(&self, nodes: &[f64; NODES], inverse_radius: f64, phi: &mut Vec<f64>) -> f64 {
-        let count = self.weights.len();
-        phi.clear();
-        phi.resize(count, 0.0);
-        for (values, node) in self.shape.chunks_exact(count).zip(nodes) {
-            phi.iter_mut().zip(values).for_each(|(phi, n)| *phi += n * node);
-        }
-        self.weights.iter().zip(phi).map(|(w, phi)| w * extension(*phi, inverse_radius)).sum()
     }
 }
 
@@ -104,15 +95,20 @@ fn groups(points: &[Point], scale: DVec3, offset: DVec3) -> Vec<Group> {
     let mut placed: Vec<(IVec3, DVec3, f64)> = points.iter().map(place).collect();
     // Stable: the order of the sum is that of the rule, on every machine.
     placed.sort_by_key(|(cell, ..)| (cell.z, cell.y, cell.x));
-    let group = |members: &[(IVec3, DVec3, f64)]| {
-        let shapes: Vec<[f64; NODES]> = members.iter().map(|(_, xi, _)| shape(*xi)).collect();
-        let weights: Vec<f64> = members.iter().map(|(.., weight)| *weight).collect();
-        Group {
-            cell: members[0].0,
-            shape: (0..NODES).flat_map(|a| shapes.iter().map(move |n| n[a])).collect(),
-            total: weights.iter().sum(),
-            weights,
-        }
+    let group = |members: &[(IVec3, DVec3, f64)]| Group {
+        cell: members[0].0,
+        blocks: members.chunks(LANES).map(block).collect(),
+        total: members.iter().map(|(.., weight)| weight).sum(),
     };
     placed.chunk_by(|a, b| a.0 == b.0).map(group).collect()
+}
+
+fn block(members: &[(IVec3, DVec3, f64)]) -> Block {
+    let mut block = Block { shape: [[0.0; LANES]; NODES], weights: [0.0; LANES] };
+    for (lane, (_, xi, weight)) in members.iter().enumerate() {
+        let shapes = shape(*xi);
+        (0..NODES).for_each(|a| block.shape[a][lane] = shapes[a]);
+        block.weights[lane] = *weight;
+    }
+    block
 }
