@@ -1,1 +1,4 @@
 //! The tests of volmap, in one binary.
+
+#[cfg(feature = "interop")]
+mod interop_meshes;

@@ -24,7 +24,7 @@ pub enum MeshError {
         error: std::io::Error,
     },
     /// Neither the content nor the extension is one of ours.
-    #[error("{problem}; volmap reads OBJ, STL, PLY, OFF, glTF, GLB, 3MF, VTK, VTU and VTP")]
+    #[error("{problem}")]
     UnknownFormat {
         /// What the file seems to be.
         problem: String,

@@ -18,9 +18,10 @@ use super::{MeshError, MeshFormat, RawMesh};
 
 /// Required extensions that leave positions and indices as they are, by their beginnings.
 /// Quantized positions are read; lights, materials and textures don't matter.
-const HARMLESS: [&str; 9] = [
+const HARMLESS: [&str; 10] = [
     "KHR_mesh_quantization",
     "KHR_materials_",
+    "KHR_technique",
     "KHR_texture_",
     "EXT_texture_",
     "MSFT_texture_",
@@ -65,7 +66,7 @@ fn glb(bytes: &[u8], format: MeshFormat) -> Result<(&[u8], Option<&[u8]>), MeshE
     if word(4)? != 2 {
         return Err(MeshError::unsupported(
             format,
-            format!("GLB version {}", word(4)?),
+            format!("version {}", word(4)?),
             "export the model as glTF 2.0",
         ));
     }
@@ -99,11 +100,16 @@ fn json_error(format: MeshFormat, error: &serde_json::Error) -> MeshError {
 
 fn check_asset(text: &[u8], format: MeshFormat) -> Result<(), MeshError> {
     let head: Asset = serde_json::from_slice(text).map_err(|error| json_error(format, &error))?;
-    match head.asset {
-        Some(asset) if asset.version.starts_with("2.") => Ok(()),
-        Some(asset) => Err(MeshError::unsupported(
+    let version = head.asset.map(|asset| match asset.version {
+        serde_json::Value::String(text) => text,
+        // glTF 1.0 files of old exporters have a number here.
+        other => other.to_string(),
+    });
+    match version {
+        Some(version) if version.starts_with("2.") => Ok(()),
+        Some(version) => Err(MeshError::unsupported(
             format,
-            format!("glTF version {}", super::text::show(asset.version.as_bytes())),
+            format!("version {}", super::text::show(version.as_bytes())),
             "export the model as glTF 2.0",
         )),
         None => Err(MeshError::malformed(format, "line 1", "there is no `asset`: it isn't a glTF 2.0 file")),

@@ -90,6 +90,8 @@ fn header(words: &mut Words) -> Result<(Option<Endian>, Vec<Element>), MeshError
                 let element = elements.last_mut().ok_or_else(bad)?;
                 element.properties.push(property(kind).ok_or_else(bad)?);
             }
+            // Blender 2.4 wrote its name without `comment`. Before the elements nothing shifts.
+            _ if elements.is_empty() && binary.is_some() => {}
             _ => return Err(bad()),
         }
     }

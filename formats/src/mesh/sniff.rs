@@ -104,13 +104,11 @@ impl MeshFormat {
             (Some(MeshFormat::Stl | MeshFormat::Obj | MeshFormat::Off), Some(guess)) => Ok(guess),
             (Some(named), _) => Ok(named),
             (None, Some(guess)) => Ok(guess),
-            (None, None) => Err(unknown(match path.extension() {
-                Some(extension) => format!(
-                    "neither the extension .{} nor the content is that of a known mesh format",
-                    extension.to_string_lossy()
-                ),
-                None => "the content is not that of a known mesh format".into(),
-            })),
+            (None, None) => Err(unknown(
+                "neither the name nor the content is that of a known mesh format; export the mesh \
+                 as OBJ, STL, PLY, OFF, glTF, GLB, 3MF, VTK, VTU or VTP"
+                    .into(),
+            )),
         }
     }
 }

@@ -123,15 +123,16 @@ fn dataset_kind(file: &mut File) -> Result<(), MeshError> {
     }
 }
 
+/// `vtkIdType` is written as 32 bits, whatever it is in memory.
 fn scalar(file: &Words, word: &[u8]) -> Result<Scalar, MeshError> {
     Ok(match word.to_ascii_lowercase().as_slice() {
         b"char" | b"vtktypeint8" => Scalar::I8,
         b"unsigned_char" | b"vtktypeuint8" => Scalar::U8,
         b"short" | b"vtktypeint16" => Scalar::I16,
         b"unsigned_short" | b"vtktypeuint16" => Scalar::U16,
-        b"int" | b"vtktypeint32" => Scalar::I32,
+        b"int" | b"vtktypeint32" | b"vtkidtype" => Scalar::I32,
         b"unsigned_int" | b"vtktypeuint32" => Scalar::U32,
-        b"long" | b"vtktypeint64" | b"vtkidtype" => Scalar::I64,
+        b"long" | b"vtktypeint64" => Scalar::I64,
         b"unsigned_long" | b"vtktypeuint64" => Scalar::U64,
         b"float" => Scalar::F32,
         b"double" => Scalar::F64,

@@ -232,7 +232,7 @@ mod tests {
             [0.0, 3.0],
         ];
         let ell = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
-        for (points, exact) in [(&arrow[..], 1.0), (&ell[..], 3.0), (&comb[..], 8.5)] {
+        for (points, exact) in [(&arrow[..], 1.0), (&ell[..], 3.0), (&comb[..], 10.0)] {
             for shift in 0..points.len() {
                 let mut turned = points.to_vec();
                 turned.rotate_left(shift);

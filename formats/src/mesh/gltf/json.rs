@@ -12,7 +12,7 @@ pub struct Asset {
 #[derive(Deserialize)]
 pub struct Version {
     #[serde(default)]
-    pub version: String,
+    pub version: serde_json::Value,
 }
 
 #[derive(Deserialize)]
