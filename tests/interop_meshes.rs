@@ -28,8 +28,12 @@ fn expected(file: &Path) -> Expected {
         let c: Vec<f64> = list(value).iter().map(|c| c.as_f64().unwrap()).collect();
         [c[0], c[1], c[2]]
     };
-    let polygon =
-        |value: &Value| list(value).iter().map(|i| i.as_u64().unwrap() as u32).collect();
+    let polygon = |value: &Value| {
+        list(value)
+            .iter()
+            .map(|i| i.as_u64().unwrap() as u32)
+            .collect()
+    };
     Expected {
         points: list(&json["points"]).iter().map(point).collect(),
         polygons: list(&json["polygons"]).iter().map(polygon).collect(),
@@ -41,8 +45,16 @@ fn expected(file: &Path) -> Expected {
 /// Fans: the expected polygons are convex and planar.
 fn triangles(expected: &Expected) -> Vec<[Point; 3]> {
     let at = |k: u32| expected.points[k as usize];
-    let fan = |p: &Vec<u32>| (1..p.len() - 1).map(|k| [at(p[0]), at(p[k]), at(p[k + 1])]).collect();
-    expected.polygons.iter().flat_map(|p| -> Vec<[Point; 3]> { fan(p) }).collect()
+    let fan = |p: &Vec<u32>| {
+        (1..p.len() - 1)
+            .map(|k| [at(p[0]), at(p[k]), at(p[k + 1])])
+            .collect()
+    };
+    expected
+        .polygons
+        .iter()
+        .flat_map(|p| -> Vec<[Point; 3]> { fan(p) })
+        .collect()
 }
 
 fn corners(mesh: &TriangleMesh) -> Vec<[Point; 3]> {
@@ -55,8 +67,15 @@ fn measures(triangles: &[[Point; 3]], centre: Point) -> [f64; 5] {
     let mut sums = [0.0; 5];
     for t in triangles {
         let [a, b, c] = t.map(|p| [p[0] - centre[0], p[1] - centre[1], p[2] - centre[2]]);
-        let (u, v) = ([0, 1, 2].map(|i| b[i] - a[i]), [0, 1, 2].map(|i| c[i] - a[i]));
-        let n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+        let (u, v) = (
+            [0, 1, 2].map(|i| b[i] - a[i]),
+            [0, 1, 2].map(|i| c[i] - a[i]),
+        );
+        let n = [
+            u[1] * v[2] - u[2] * v[1],
+            u[2] * v[0] - u[0] * v[2],
+            u[0] * v[1] - u[1] * v[0],
+        ];
         sums[0] += (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt() / 2.0;
         sums[1] += (a[0] * n[0] + a[1] * n[1] + a[2] * n[2]) / 6.0;
         for i in 0..3 {
@@ -70,7 +89,9 @@ fn bounds(triangles: &[[Point; 3]]) -> (Point, f64) {
     let points = || triangles.iter().flatten();
     let low = [0, 1, 2].map(|i| points().map(|p| p[i]).fold(f64::INFINITY, f64::min));
     let high = [0, 1, 2].map(|i| points().map(|p| p[i]).fold(f64::NEG_INFINITY, f64::max));
-    let size = (0..3).map(|i| (high[i] - low[i]).max(high[i].abs())).fold(0.0, f64::max);
+    let size = (0..3)
+        .map(|i| (high[i] - low[i]).max(high[i].abs()))
+        .fold(0.0, f64::max);
     ([0, 1, 2].map(|i| (low[i] + high[i]) / 2.0), size)
 }
 
@@ -98,7 +119,10 @@ fn compare(name: &str, mesh: &TriangleMesh, expected: &Expected) {
     let (a, b) = (measures(&found, centre), measures(&wanted, centre));
     for (k, (a, b)) in a.iter().zip(&b).enumerate() {
         let scale = size.powi(if k == 1 { 3 } else { 2 });
-        assert!((a - b).abs() <= 20.0 * expected.tolerance * scale, "{name}: measure {k}: {a} {b}");
+        assert!(
+            (a - b).abs() <= 20.0 * expected.tolerance * scale,
+            "{name}: measure {k}: {a} {b}"
+        );
     }
     if expected.polygons.iter().all(|p| p.len() == 3) {
         // Two lattices, one shifted by an irrational part: a value that rounding moves over an edge
@@ -120,7 +144,11 @@ fn meshes_of_other_programs_are_read_as_meant() {
         .arg(folder.path())
         .output()
         .expect("Python with meshio, trimesh (and networkx, lxml) and vtk: set VOLMAP_PYTHON");
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
     let mut count = 0;
     for entry in std::fs::read_dir(folder.path()).unwrap() {
         let json = entry.unwrap().path();
@@ -129,7 +157,11 @@ fn meshes_of_other_programs_are_read_as_meant() {
             continue;
         }
         let expected = expected(&json);
-        let name = mesh_file.file_name().unwrap().to_string_lossy().into_owned();
+        let name = mesh_file
+            .file_name()
+            .unwrap()
+            .to_string_lossy()
+            .into_owned();
         let (mesh, report) =
             load(&mesh_file, &CleanSettings::default()).unwrap_or_else(|error| panic!("{error}"));
         compare(&name, &mesh, &expected);

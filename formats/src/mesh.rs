@@ -53,7 +53,10 @@ pub struct TriangleMesh {
 ///
 /// # Errors
 /// A [`MeshError`] that names the file.
-pub fn load(path: &Path, settings: &CleanSettings) -> Result<(TriangleMesh, CleanReport), MeshError> {
+pub fn load(
+    path: &Path,
+    settings: &CleanSettings,
+) -> Result<(TriangleMesh, CleanReport), MeshError> {
     clean(read_mesh(path)?, settings).map_err(|error| error.in_file(path))
 }
 
@@ -68,7 +71,10 @@ pub fn read_mesh(path: &Path) -> Result<RawMesh, MeshError> {
 }
 
 fn read_file(path: &Path) -> Result<RawMesh, MeshError> {
-    let io = |error| MeshError::Io { what: "cannot read the file".into(), error };
+    let io = |error| MeshError::Io {
+        what: "cannot read the file".into(),
+        error,
+    };
     // A FIFO or a device has no size, so nothing would bound what is read.
     if !fs::metadata(path).map_err(io)?.is_file() {
         return Err(MeshError::Io {

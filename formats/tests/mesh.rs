@@ -11,11 +11,16 @@ use volmap_formats::mesh::*;
 type Point = [f64; 3];
 
 fn read_clean(bytes: &[u8], format: MeshFormat) -> (TriangleMesh, CleanReport) {
-    clean(read_mesh_bytes(bytes, format).unwrap(), &CleanSettings::default()).unwrap()
+    clean(
+        read_mesh_bytes(bytes, format).unwrap(),
+        &CleanSettings::default(),
+    )
+    .unwrap()
 }
 
 fn error(bytes: &[u8], format: MeshFormat) -> String {
-    let result = read_mesh_bytes(bytes, format).and_then(|raw| clean(raw, &CleanSettings::default()));
+    let result =
+        read_mesh_bytes(bytes, format).and_then(|raw| clean(raw, &CleanSettings::default()));
     match result {
         Ok(_) => panic!("{format}: was read"),
         Err(MeshError::Panicked { message, .. }) => panic!("{format}: panicked: {message}"),
@@ -28,8 +33,15 @@ fn measure(mesh: &TriangleMesh) -> (f64, f64) {
     let (mut area, mut volume) = (0.0, 0.0);
     for t in &mesh.triangles {
         let [a, b, c] = t.map(|v| mesh.vertices[v as usize]);
-        let (u, v): (Point, Point) = ([0, 1, 2].map(|i| b[i] - a[i]), [0, 1, 2].map(|i| c[i] - a[i]));
-        let n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+        let (u, v): (Point, Point) = (
+            [0, 1, 2].map(|i| b[i] - a[i]),
+            [0, 1, 2].map(|i| c[i] - a[i]),
+        );
+        let n = [
+            u[1] * v[2] - u[2] * v[1],
+            u[2] * v[0] - u[0] * v[2],
+            u[0] * v[1] - u[1] * v[0],
+        ];
         area += n.iter().map(|c| c * c).sum::<f64>().sqrt() / 2.0;
         volume += (a[0] * n[0] + a[1] * n[1] + a[2] * n[2]) / 6.0;
     }
@@ -52,10 +64,17 @@ fn every_format_reads_the_box() {
     for sample in samples::boxes() {
         let (mesh, report) = read_clean(&sample.bytes, sample.format);
         let name = sample.name;
-        assert_eq!((mesh.vertices.len(), mesh.triangles.len()), (8, 12), "{name}: {report:?}");
+        assert_eq!(
+            (mesh.vertices.len(), mesh.triangles.len()),
+            (8, 12),
+            "{name}: {report:?}"
+        );
         let (area, volume) = measure(&mesh);
         // 2 x 3 x 5, shifted.
-        assert!((area - 62.0).abs() < 1e-5 && (volume - 30.0).abs() < 1e-5, "{name}: {area} {volume}");
+        assert!(
+            (area - 62.0).abs() < 1e-5 && (volume - 30.0).abs() < 1e-5,
+            "{name}: {area} {volume}"
+        );
         assert!(is_closed(&mesh), "{name}");
     }
 }
@@ -91,27 +110,70 @@ fn obj_takes_what_exporters_write() {
 fn a_concave_polygon_of_an_obj_keeps_its_area() {
     let text = "v 0 0 1\nv 4 0 1\nv 4 4 1\nv 2 1 1\nv 0 4 1\nf 1 2 3 4 5\n";
     let (mesh, report) = read_clean(text.as_bytes(), MeshFormat::Obj);
-    assert_eq!((report.polygons, report.fan_fallbacks, mesh.triangles.len()), (1, 0, 3));
+    assert_eq!(
+        (report.polygons, report.fan_fallbacks, mesh.triangles.len()),
+        (1, 0, 3)
+    );
     assert!((measure(&mesh).0 - 10.0).abs() < 1e-12);
 }
 
 #[test]
 fn errors_name_place_and_cure() {
     let cases: [(&str, MeshFormat, &[&str]); 14] = [
-        ("v 0 0 0\nv 1 x 0\n", MeshFormat::Obj, &["line 2", "`x` is not a number"]),
-        ("v 0 0 0\nv 1 0,5 0\n", MeshFormat::Obj, &["line 2", "decimal point"]),
-        ("v 0 0 0\nv nan 0 0\n", MeshFormat::Obj, &["line 2", "not finite"]),
-        ("v 0 0 0\nv 1e200 0 0\n", MeshFormat::Obj, &["line 2", "1e100"]),
-        ("v 0 0 0\nv 1 0 0\nf 1 2 7\nf 1 2 1\n", MeshFormat::Obj, &["line 3", "vertex 7", "only 2"]),
+        (
+            "v 0 0 0\nv 1 x 0\n",
+            MeshFormat::Obj,
+            &["line 2", "`x` is not a number"],
+        ),
+        (
+            "v 0 0 0\nv 1 0,5 0\n",
+            MeshFormat::Obj,
+            &["line 2", "decimal point"],
+        ),
+        (
+            "v 0 0 0\nv nan 0 0\n",
+            MeshFormat::Obj,
+            &["line 2", "not finite"],
+        ),
+        (
+            "v 0 0 0\nv 1e200 0 0\n",
+            MeshFormat::Obj,
+            &["line 2", "1e100"],
+        ),
+        (
+            "v 0 0 0\nv 1 0 0\nf 1 2 7\nf 1 2 1\n",
+            MeshFormat::Obj,
+            &["line 3", "vertex 7", "only 2"],
+        ),
         ("v 0 0 0\nf 1 -2 1\n", MeshFormat::Obj, &["line 2", "`-2`"]),
         ("v 0 0 0\nf 0 1 1\n", MeshFormat::Obj, &["line 2", "`0`"]),
-        ("v 0 0 0\nv 1 0 0\n", MeshFormat::Obj, &["point cloud: 2 points"]),
+        (
+            "v 0 0 0\nv 1 0 0\n",
+            MeshFormat::Obj,
+            &["point cloud: 2 points"],
+        ),
         ("", MeshFormat::Obj, &["no faces"]),
-        ("v 0 0 0\nv 1 0 0\nf 1 2 2\n", MeshFormat::Obj, &["all 1 faces collapse"]),
-        ("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", MeshFormat::Off, &["line 6", "`3`", "0 to 2"]),
-        ("OFF\n4000000000 1 0\n0 0 0\n", MeshFormat::Off, &["4000000000 vertices", "cut"]),
+        (
+            "v 0 0 0\nv 1 0 0\nf 1 2 2\n",
+            MeshFormat::Obj,
+            &["all 1 faces collapse"],
+        ),
+        (
+            "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n",
+            MeshFormat::Off,
+            &["line 6", "`3`", "0 to 2"],
+        ),
+        (
+            "OFF\n4000000000 1 0\n0 0 0\n",
+            MeshFormat::Off,
+            &["4000000000 vertices", "cut"],
+        ),
         ("OFF BINARY\n", MeshFormat::Off, &["binary OFF", "ASCII"]),
-        ("solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\n", MeshFormat::Stl, &["line 5", "cut"]),
+        (
+            "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\n",
+            MeshFormat::Stl,
+            &["line 5", "cut"],
+        ),
     ];
     for (text, format, parts) in cases {
         let message = error(text.as_bytes(), format);
@@ -126,11 +188,16 @@ fn strangers_are_told_apart() {
     let cases: [(&[u8], &str); 4] = [
         (b"", "empty"),
         (b"\x1f\x8b\x08abc", "gzip"),
-        (b"version https://git-lfs.github.com/spec/v1\n", "git lfs pull"),
+        (
+            b"version https://git-lfs.github.com/spec/v1\n",
+            "git lfs pull",
+        ),
         (b"\xFF\xFEv\0 \0", "UTF-16"),
     ];
     for (bytes, part) in cases {
-        let error = MeshFormat::detect(Path::new("a.obj"), bytes).unwrap_err().to_string();
+        let error = MeshFormat::detect(Path::new("a.obj"), bytes)
+            .unwrap_err()
+            .to_string();
         assert!(error.contains(part), "{error}");
     }
     let error = MeshFormat::detect(Path::new("a.xyz"), b"hello\n").unwrap_err();
@@ -142,7 +209,9 @@ fn load_names_the_file() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("broken.obj");
     std::fs::write(&path, "v 0 0 0\nf 1 2 3\n").unwrap();
-    let error = load(&path, &CleanSettings::default()).unwrap_err().to_string();
+    let error = load(&path, &CleanSettings::default())
+        .unwrap_err()
+        .to_string();
     assert!(error.contains("broken.obj: OBJ, line 2"), "{error}");
     assert!(load(folder.path(), &CleanSettings::default()).is_err());
 }
@@ -161,11 +230,15 @@ fn gltf_buffers_beside_the_file_are_read_and_others_refused() {
     assert_eq!((mesh.triangles.len(), report.unit), (12, Some(1.0)));
     for uri in ["../secret.bin", "%2e%2e/secret.bin"] {
         std::fs::write(&path, samples::gltf_external(uri).0).unwrap();
-        let error = load(&path, &CleanSettings::default()).unwrap_err().to_string();
+        let error = load(&path, &CleanSettings::default())
+            .unwrap_err()
+            .to_string();
         assert!(error.contains("leads out"), "{error}");
     }
     std::fs::write(&path, samples::gltf_external("gone.bin").0).unwrap();
-    let error = load(&path, &CleanSettings::default()).unwrap_err().to_string();
+    let error = load(&path, &CleanSettings::default())
+        .unwrap_err()
+        .to_string();
     assert!(error.contains("gone.bin"), "{error}");
 }
 
@@ -173,7 +246,10 @@ fn gltf_buffers_beside_the_file_are_read_and_others_refused() {
 fn gltf_transforms_strips_fans_and_sparse_accessors() {
     let (mesh, report) = read_clean(&samples::gltf_scene(), MeshFormat::Gltf);
     // A strip and a fan of two triangles each, a fan once more under a mirroring node; lines skipped.
-    assert_eq!((mesh.triangles.len(), report.skipped.lines, report.objects), (6, 1, 2));
+    assert_eq!(
+        (mesh.triangles.len(), report.skipped.lines, report.objects),
+        (6, 1, 2)
+    );
     let (area, _) = measure(&mesh);
     // Twice the unit square, scaled by 2 in the parent; and a mirrored one at its own size.
     assert!((area - 2.0 * 4.0 - 1.0).abs() < 1e-6, "{area}");
@@ -189,7 +265,10 @@ fn gltf_transforms_strips_fans_and_sparse_accessors() {
 #[test]
 fn threemf_units_components_and_mirrors() {
     let (mesh, report) = read_clean(&samples::threemf_assembly(), MeshFormat::ThreeMf);
-    assert_eq!((report.unit, report.objects, mesh.triangles.len()), (Some(0.0254), 3, 36));
+    assert_eq!(
+        (report.unit, report.objects, mesh.triangles.len()),
+        (Some(0.0254), 3, 36)
+    );
     let (_, volume) = measure(&mesh);
     // One box, one doubled in x, one mirrored: all outward.
     assert!((volume - 30.0 * 4.0).abs() < 1e-9, "{volume}");
@@ -198,7 +277,16 @@ fn threemf_units_components_and_mirrors() {
 #[test]
 fn threemf_bombs_are_refused() {
     let error = error(&samples::threemf_bomb(), MeshFormat::ThreeMf);
-    assert!(error.contains("MiB") || error.contains("million"), "{error}");
+    assert!(
+        error.contains("MiB") || error.contains("million"),
+        "{error}"
+    );
+}
+
+#[test]
+fn vtu_bombs_are_refused() {
+    let error = error(&samples::vtu_bomb(), MeshFormat::Vtu);
+    assert!(error.contains("MiB"), "{error}");
 }
 
 #[test]
@@ -225,7 +313,11 @@ fn off_variants_have_positions_first() {
     ];
     for text in variants {
         let raw = read_mesh_bytes(text.as_bytes(), MeshFormat::Off).unwrap();
-        assert_eq!(raw.positions, [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], "{text}");
+        assert_eq!(
+            raw.positions,
+            [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+            "{text}"
+        );
         assert_eq!(raw.faces.iter().collect::<Vec<_>>(), [[0, 1, 2]], "{text}");
     }
 }
@@ -246,7 +338,10 @@ fn cleaning_counts_what_it_does() {
     }
     let (mesh, report) = clean(raw, &CleanSettings::default()).unwrap();
     assert_eq!(mesh.triangles, [[0, 1, 2], [2, 1, 0], [0, 3, 1]]);
-    assert_eq!((report.welded, report.duplicates, report.degenerate), (1, 1, 1));
+    assert_eq!(
+        (report.welded, report.duplicates, report.degenerate),
+        (1, 1, 1)
+    );
     assert_eq!((report.zero_area, report.unreferenced), (1, 1));
 }
 
@@ -254,8 +349,21 @@ fn cleaning_counts_what_it_does() {
 fn a_needle_keeps_a_closed_mesh_closed() {
     // A tetrahedron with a vertex in the middle of an edge that only one side has.
     let mut raw = RawMesh::new(MeshFormat::Obj);
-    raw.positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.5, 0.0, 0.0]];
-    for face in [[0, 2, 1], [0, 4, 3], [4, 1, 3], [1, 2, 3], [2, 0, 3], [0, 1, 4]] {
+    raw.positions = vec![
+        [0.0; 3],
+        [1.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [0.0, 0.0, 1.0],
+        [0.5, 0.0, 0.0],
+    ];
+    for face in [
+        [0, 2, 1],
+        [0, 4, 3],
+        [4, 1, 3],
+        [1, 2, 3],
+        [2, 0, 3],
+        [0, 1, 4],
+    ] {
         raw.add_face(&face);
     }
     let (mesh, report) = clean(raw, &CleanSettings::default()).unwrap();
@@ -270,23 +378,49 @@ fn a_weld_tolerance_closes_cracks() {
     for (k, face) in raw.faces.iter().enumerate() {
         let first = split.positions.len() as u32;
         let shift = k as f64 * 1e-5;
-        split.positions.extend(face.iter().map(|&c| raw.positions[c as usize].map(|c| c + shift)));
+        split.positions.extend(
+            face.iter()
+                .map(|&c| raw.positions[c as usize].map(|c| c + shift)),
+        );
         let corners: Vec<u32> = (0..face.len() as u32).map(|k| first + k).collect();
         split.add_face(&corners);
     }
     let (open, _) = clean(split.clone(), &CleanSettings::default()).unwrap();
     assert!(!is_closed(&open));
-    let (closed, report) = clean(split, &CleanSettings { weld_tolerance: 1e-3 }).unwrap();
-    assert!(is_closed(&closed) && closed.vertices.len() == 8, "{report:?}");
+    let (closed, report) = clean(
+        split,
+        &CleanSettings {
+            weld_tolerance: 1e-3,
+        },
+    )
+    .unwrap();
+    assert!(
+        is_closed(&closed) && closed.vertices.len() == 8,
+        "{report:?}"
+    );
     raw.positions[0][0] = f64::NAN;
     assert!(clean(raw.clone(), &CleanSettings::default()).is_err());
-    assert!(clean(raw, &CleanSettings { weld_tolerance: -1.0 }).is_err());
+    assert!(
+        clean(
+            raw,
+            &CleanSettings {
+                weld_tolerance: -1.0
+            }
+        )
+        .is_err()
+    );
 }
 
 fn raw_mesh() -> impl Strategy<Value = RawMesh> {
     // Few different coordinates, so that vertices, lines and planes often coincide.
-    let coordinate = prop_oneof![(-3i32..4).prop_map(f64::from), -1e3..1e3, Just(-0.0), Just(1e99)];
-    let positions = prop::collection::vec([coordinate.clone(), coordinate.clone(), coordinate], 1..24);
+    let coordinate = prop_oneof![
+        (-3i32..4).prop_map(f64::from),
+        -1e3..1e3,
+        Just(-0.0),
+        Just(1e99)
+    ];
+    let positions =
+        prop::collection::vec([coordinate.clone(), coordinate.clone(), coordinate], 1..24);
     let faces = prop::collection::vec(prop::collection::vec(0u32..26, 0..9), 0..20);
     (positions, faces).prop_map(|(positions, faces)| {
         let mut raw = RawMesh::new(MeshFormat::Off);

@@ -58,7 +58,9 @@ fn mutate(bytes: &[u8], random: &mut Random) -> Vec<u8> {
 }
 
 fn change_digits(out: &mut Vec<u8>, random: &mut Random) {
-    let digits: Vec<usize> = (0..out.len()).filter(|&k| out[k].is_ascii_digit()).collect();
+    let digits: Vec<usize> = (0..out.len())
+        .filter(|&k| out[k].is_ascii_digit())
+        .collect();
     if digits.is_empty() {
         return;
     }
@@ -90,21 +92,39 @@ fn check(name: &str, bytes: &[u8], format: MeshFormat) -> bool {
     let before = MEMORY.current_usage();
     MEMORY.reset_peak_usage();
     let start = Instant::now();
-    let result = read_mesh_bytes(bytes, format).and_then(|raw| clean(raw, &CleanSettings::default()));
+    let result =
+        read_mesh_bytes(bytes, format).and_then(|raw| clean(raw, &CleanSettings::default()));
     let used = MEMORY.peak_usage().saturating_sub(before);
-    assert!(start.elapsed() < Duration::from_secs(5), "{name}: took {:?}", start.elapsed());
-    assert!(used <= 64 * bytes.len() + 64 * MIB, "{name}: {used} bytes for {}", bytes.len());
+    assert!(
+        start.elapsed() < Duration::from_secs(5),
+        "{name}: took {:?}",
+        start.elapsed()
+    );
+    assert!(
+        used <= 64 * bytes.len() + 64 * MIB,
+        "{name}: {used} bytes for {}",
+        bytes.len()
+    );
     match result {
         Ok((mesh, _)) => {
             let count = mesh.vertices.len() as u32;
-            assert!(mesh.triangles.iter().flatten().all(|&v| v < count), "{name}");
-            assert!(mesh.vertices.iter().flatten().all(|c| c.is_finite()), "{name}");
+            assert!(
+                mesh.triangles.iter().flatten().all(|&v| v < count),
+                "{name}"
+            );
+            assert!(
+                mesh.vertices.iter().flatten().all(|c| c.is_finite()),
+                "{name}"
+            );
             true
         }
         Err(MeshError::Panicked { message, .. }) => panic!("{name}: panicked: {message}"),
         Err(error) => {
             let message = error.to_string();
-            assert!(message.len() > 20 && !message.contains('\0'), "{name}: {message}");
+            assert!(
+                message.len() > 20 && !message.contains('\0'),
+                "{name}: {message}"
+            );
             false
         }
     }
@@ -113,9 +133,17 @@ fn check(name: &str, bytes: &[u8], format: MeshFormat) -> bool {
 #[test]
 fn damaged_files_end_in_a_mesh_or_an_error() {
     let mut samples = samples::boxes();
-    let extra = |name, format, bytes| samples::Sample { name, format, bytes };
+    let extra = |name, format, bytes| samples::Sample {
+        name,
+        format,
+        bytes,
+    };
     samples.push(extra("glTF scene", MeshFormat::Gltf, samples::gltf_scene()));
-    samples.push(extra("3MF assembly", MeshFormat::ThreeMf, samples::threemf_assembly()));
+    samples.push(extra(
+        "3MF assembly",
+        MeshFormat::ThreeMf,
+        samples::threemf_assembly(),
+    ));
     for sample in &samples {
         let mut random = Random(0x5EED ^ sample.bytes.len() as u64);
         let mut meshes = 0;
@@ -135,7 +163,11 @@ fn damaged_files_end_in_a_mesh_or_an_error() {
         }
         // Every reader gets every file.
         for format in MeshFormat::ALL {
-            check(&format!("{} as {format}", sample.name), &sample.bytes, format);
+            check(
+                &format!("{} as {format}", sample.name),
+                &sample.bytes,
+                format,
+            );
         }
     }
 }

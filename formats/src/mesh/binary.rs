@@ -60,10 +60,10 @@ impl Scalar {
 
 /// A number as a vertex index, if it is one.
 pub fn as_index(value: f64) -> Option<u32> {
-    (value >= 0.0 && value < f64::from(u32::MAX) && value.fract() == 0.0).then_some(value as u32)
+    ((0.0..f64::from(u32::MAX)).contains(&value) && value.fract() == 0.0).then_some(value as u32)
 }
 
 /// A number as a count, if it is one.
 pub fn as_count(value: f64) -> Option<usize> {
-    (value >= 0.0 && value < 9e15 && value.fract() == 0.0).then_some(value as usize)
+    ((0.0..9e15).contains(&value) && value.fract() == 0.0).then_some(value as usize)
 }

@@ -51,21 +51,37 @@ pub struct CleanReport {
 /// # Errors
 /// [`MeshError`] if positions or indices of `raw` are invalid, a setting is out of range, or no
 /// triangle is left.
-pub fn clean(raw: RawMesh, settings: &CleanSettings) -> Result<(TriangleMesh, CleanReport), MeshError> {
+pub fn clean(
+    raw: RawMesh,
+    settings: &CleanSettings,
+) -> Result<(TriangleMesh, CleanReport), MeshError> {
     let tolerance = settings.weld_tolerance;
     if !(tolerance.is_finite() && tolerance >= 0.0) {
-        return Err(MeshError::Setting(format!("the weld tolerance must be 0 or positive, not {tolerance}")));
+        return Err(MeshError::Setting(format!(
+            "the weld tolerance must be 0 or positive, not {tolerance}"
+        )));
     }
     raw.check()?;
     raw.check_not_empty()?;
-    let mut report =
-        CleanReport { objects: raw.objects, unit: raw.unit, skipped: raw.skipped, ..CleanReport::default() };
+    let mut report = CleanReport {
+        objects: raw.objects,
+        unit: raw.unit,
+        skipped: raw.skipped,
+        ..CleanReport::default()
+    };
     let target = weld::weld(&raw.positions, tolerance);
-    report.welded = target.iter().enumerate().filter(|&(k, &to)| to as usize != k).count();
+    report.welded = target
+        .iter()
+        .enumerate()
+        .filter(|&(k, &to)| to as usize != k)
+        .count();
     let triangles = triangulate_all(&raw, &target, &mut report);
     let triangles = drop_duplicates(triangles, &mut report);
     if triangles.is_empty() {
-        return Err(MeshError::AllDegenerate { faces: raw.faces.len(), weld_tolerance: tolerance });
+        return Err(MeshError::AllDegenerate {
+            faces: raw.faces.len(),
+            weld_tolerance: tolerance,
+        });
     }
     let mesh = compact(&raw.positions, triangles);
     report.unreferenced = raw.positions.len() - report.welded - mesh.vertices.len();
@@ -100,8 +116,11 @@ fn triangulate_all(raw: &RawMesh, target: &[u32], report: &mut CleanReport) -> V
 
 /// Keeps the first of equal triangles. Equal: the same corners in the same cyclic order.
 fn drop_duplicates(triangles: Vec<[u32; 3]>, report: &mut CleanReport) -> Vec<[u32; 3]> {
-    let mut order: Vec<([u32; 3], usize)> =
-        triangles.iter().enumerate().map(|(k, &t)| (smallest_first(t), k)).collect();
+    let mut order: Vec<([u32; 3], usize)> = triangles
+        .iter()
+        .enumerate()
+        .map(|(k, &t)| (smallest_first(t), k))
+        .collect();
     order.sort_unstable();
     let mut keep = vec![true; triangles.len()];
     for pair in order.windows(2) {
@@ -140,12 +159,18 @@ fn compact(positions: &[[f64; 3]], mut triangles: Vec<[u32; 3]>) -> TriangleMesh
     for corner in triangles.iter_mut().flatten() {
         *corner = new[*corner as usize];
     }
-    TriangleMesh { vertices, triangles }
+    TriangleMesh {
+        vertices,
+        triangles,
+    }
 }
 
 /// Whether the height over the longest edge is below rounding of the coordinates.
 fn has_no_area([a, b, c]: [[f64; 3]; 3]) -> bool {
-    let size = [a, b, c].iter().flatten().fold(0.0f64, |max, c| max.max(c.abs()));
+    let size = [a, b, c]
+        .iter()
+        .flatten()
+        .fold(0.0f64, |max, c| max.max(c.abs()));
     if size == 0.0 {
         return true;
     }
@@ -153,7 +178,11 @@ fn has_no_area([a, b, c]: [[f64; 3]; 3]) -> bool {
     let minus = |p: [f64; 3], q: [f64; 3]| [0, 1, 2].map(|i| (p[i] - q[i]) / size);
     let (u, v, w) = (minus(b, a), minus(c, a), minus(c, b));
     let dot = |p: [f64; 3], q: [f64; 3]| p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
-    let cross = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+    let cross = [
+        u[1] * v[2] - u[2] * v[1],
+        u[2] * v[0] - u[0] * v[2],
+        u[0] * v[1] - u[1] * v[0],
+    ];
     let longest = dot(u, u).max(dot(v, v)).max(dot(w, w)).sqrt();
     dot(cross, cross).sqrt() <= 4.0 * f64::EPSILON * longest
 }

@@ -85,7 +85,9 @@ pub enum MeshError {
     #[error("{0}")]
     Setting(String),
     /// A bug of ours or of a library, contained.
-    #[error("{format}: the reader failed on this file ({message}); please report it, with the file")]
+    #[error(
+        "{format}: the reader failed on this file ({message}); please report it, with the file"
+    )]
     Panicked {
         /// The format that it was read as.
         format: MeshFormat,
@@ -98,7 +100,10 @@ impl MeshError {
     pub(super) fn in_file(self, path: &Path) -> MeshError {
         match self {
             MeshError::InFile { .. } => self,
-            error => MeshError::InFile { path: path.to_path_buf(), error: Box::new(error) },
+            error => MeshError::InFile {
+                path: path.to_path_buf(),
+                error: Box::new(error),
+            },
         }
     }
 
@@ -107,7 +112,11 @@ impl MeshError {
         place: impl Into<String>,
         problem: impl Into<String>,
     ) -> MeshError {
-        MeshError::Malformed { format, place: place.into(), problem: problem.into() }
+        MeshError::Malformed {
+            format,
+            place: printable(place.into()),
+            problem: printable(problem.into()),
+        }
     }
 
     pub(super) fn unsupported(
@@ -115,6 +124,20 @@ impl MeshError {
         feature: impl Into<String>,
         cure: &'static str,
     ) -> MeshError {
-        MeshError::Unsupported { format, feature: feature.into(), cure }
+        MeshError::Unsupported {
+            format,
+            feature: printable(feature.into()),
+            cure,
+        }
     }
+}
+
+/// Names inside a file and the messages of libraries may quote anything.
+fn printable(text: String) -> String {
+    const LONGEST: usize = 400;
+    if text.len() <= LONGEST && !text.chars().any(char::is_control) {
+        return text;
+    }
+    let clean = |c: char| if c.is_control() { '?' } else { c };
+    text.chars().take(LONGEST).map(clean).collect()
 }

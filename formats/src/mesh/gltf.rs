@@ -57,7 +57,8 @@ pub fn read(bytes: &[u8], format: MeshFormat, folder: Option<&Path>) -> Result<R
 
 /// The JSON chunk and the binary one.
 fn glb(bytes: &[u8], format: MeshFormat) -> Result<(&[u8], Option<&[u8]>), MeshError> {
-    let bad = |at: usize, problem: &str| MeshError::malformed(format, format!("byte {at}"), problem);
+    let bad =
+        |at: usize, problem: &str| MeshError::malformed(format, format!("byte {at}"), problem);
     let word = |at: usize| {
         let word = bytes.get(at..at + 4);
         word.map(|w| Scalar::U32.read(w, Endian::Little) as usize)
@@ -76,7 +77,10 @@ fn glb(bytes: &[u8], format: MeshFormat) -> Result<(&[u8], Option<&[u8]>), MeshE
         let (length, kind) = (word(at)?, word(at + 4)?);
         let chunk = bytes.get(at + 8..(at + 8).saturating_add(length));
         let chunk = chunk.ok_or_else(|| {
-            bad(at, "a chunk is longer than the file; it was cut: export or download it again")
+            bad(
+                at,
+                "a chunk is longer than the file; it was cut: export or download it again",
+            )
         })?;
         chunks.push((kind, chunk));
         at += 8 + length;
@@ -86,7 +90,10 @@ fn glb(bytes: &[u8], format: MeshFormat) -> Result<(&[u8], Option<&[u8]>), MeshE
             let chunk = rest.first().filter(|(kind, _)| *kind == 0x004E_4942);
             Ok((json, chunk.map(|(_, chunk)| *chunk)))
         }
-        _ => Err(bad(12, "the first chunk is not JSON; the file is damaged: export it again")),
+        _ => Err(bad(
+            12,
+            "the first chunk is not JSON; the file is damaged: export it again",
+        )),
     }
 }
 
@@ -112,7 +119,11 @@ fn check_asset(text: &[u8], format: MeshFormat) -> Result<(), MeshError> {
             format!("version {}", super::text::show(version.as_bytes())),
             "export the model as glTF 2.0",
         )),
-        None => Err(MeshError::malformed(format, "line 1", "there is no `asset`: it isn't a glTF 2.0 file")),
+        None => Err(MeshError::malformed(
+            format,
+            "line 1",
+            "there is no `asset`: it isn't a glTF 2.0 file",
+        )),
     }
 }
 
@@ -121,7 +132,10 @@ fn check_extensions(root: &Root, format: MeshFormat) -> Result<(), MeshError> {
     match root.extensions_required.iter().find(strange) {
         Some(name) => Err(MeshError::unsupported(
             format,
-            format!("the required extension {}", super::text::show(name.as_bytes())),
+            format!(
+                "the required extension {}",
+                super::text::show(name.as_bytes())
+            ),
             "export the model without it (without compression or instancing)",
         )),
         None => Ok(()),
@@ -132,7 +146,9 @@ fn check_extensions(root: &Root, format: MeshFormat) -> Result<(), MeshError> {
 fn instances(root: &Root, raw: &RawMesh) -> Result<Vec<(usize, Affine)>, MeshError> {
     let mut found = Vec::new();
     if root.nodes.is_empty() && root.scenes.is_empty() {
-        return Ok((0..root.meshes.len()).map(|mesh| (mesh, Affine::IDENTITY)).collect());
+        return Ok((0..root.meshes.len())
+            .map(|mesh| (mesh, Affine::IDENTITY))
+            .collect());
     }
     let mut visited = vec![false; root.nodes.len()];
     let mut stack: Vec<(usize, Affine)> = Vec::new();
@@ -165,17 +181,26 @@ fn top_nodes(root: &Root, raw: &RawMesh) -> Result<Vec<usize>, MeshError> {
                 *mark = true;
             }
         }
-        return Ok((0..root.nodes.len()).filter(|&node| !is_child[node]).collect());
+        return Ok((0..root.nodes.len())
+            .filter(|&node| !is_child[node])
+            .collect());
     }
     let scene = root.scene.unwrap_or(0);
     let found = root.scenes.get(scene).map(|scene| scene.nodes.clone());
-    found.ok_or_else(|| raw.bad(format!("scene {scene}"), "there is no such scene; export again"))
+    found.ok_or_else(|| {
+        raw.bad(
+            format!("scene {scene}"),
+            "there is no such scene; export again",
+        )
+    })
 }
 
 /// A matrix (column by column), or translation * rotation * scale.
 fn local(node: &Node, raw: &RawMesh, place: &dyn Fn() -> String) -> Result<Affine, MeshError> {
     if let Some(m) = &node.matrix {
-        let affine = Affine(std::array::from_fn(|i| [m[i], m[4 + i], m[8 + i], m[12 + i]]));
+        let affine = Affine(std::array::from_fn(|i| {
+            [m[i], m[4 + i], m[8 + i], m[12 + i]]
+        }));
         return Ok(affine);
     }
     let t = node.translation.unwrap_or([0.0; 3]);
@@ -183,15 +208,32 @@ fn local(node: &Node, raw: &RawMesh, place: &dyn Fn() -> String) -> Result<Affin
     let q = node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]);
     let length = q.iter().map(|c| c * c).sum::<f64>().sqrt();
     if !(length > 0.0 && length.is_finite()) {
-        return Err(raw.bad(place(), "the rotation is not a quaternion; export the file again"));
+        return Err(raw.bad(
+            place(),
+            "the rotation is not a quaternion; export the file again",
+        ));
     }
     let [x, y, z, w] = q.map(|c| c / length);
     let r = [
-        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)],
-        [2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)],
-        [2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)],
+        [
+            1.0 - 2.0 * (y * y + z * z),
+            2.0 * (x * y - z * w),
+            2.0 * (x * z + y * w),
+        ],
+        [
+            2.0 * (x * y + z * w),
+            1.0 - 2.0 * (x * x + z * z),
+            2.0 * (y * z - x * w),
+        ],
+        [
+            2.0 * (x * z - y * w),
+            2.0 * (y * z + x * w),
+            1.0 - 2.0 * (x * x + y * y),
+        ],
     ];
-    Ok(Affine(std::array::from_fn(|i| [r[i][0] * s[0], r[i][1] * s[1], r[i][2] * s[2], t[i]])))
+    Ok(Affine(std::array::from_fn(|i| {
+        [r[i][0] * s[0], r[i][1] * s[1], r[i][2] * s[2], t[i]]
+    })))
 }
 
 struct Scene<'a> {
@@ -201,9 +243,17 @@ struct Scene<'a> {
 }
 
 impl Scene<'_> {
-    fn add_mesh(&mut self, raw: &mut RawMesh, mesh: usize, affine: &Affine) -> Result<(), MeshError> {
+    fn add_mesh(
+        &mut self,
+        raw: &mut RawMesh,
+        mesh: usize,
+        affine: &Affine,
+    ) -> Result<(), MeshError> {
         let Some(primitives) = self.root.meshes.get(mesh).map(|mesh| &mesh.primitives) else {
-            return Err(raw.bad(format!("mesh {mesh}"), "there is no such mesh; export again"));
+            return Err(raw.bad(
+                format!("mesh {mesh}"),
+                "there is no such mesh; export again",
+            ));
         };
         raw.objects += 1;
         // Primitives with different materials often share their vertices.
@@ -236,7 +286,8 @@ impl Scene<'_> {
             None => {
                 let positions = self.buffers.positions(accessor, &mut self.budget)?;
                 let first = raw.positions.len();
-                raw.positions.extend(positions.into_iter().map(|p| affine.apply(p)));
+                raw.positions
+                    .extend(positions.into_iter().map(|p| affine.apply(p)));
                 let narrow = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
                 let added = (narrow(first), narrow(raw.positions.len() - first));
                 shared.insert(accessor, added);
@@ -260,7 +311,9 @@ impl Scene<'_> {
             ));
         }
         if first.checked_add(count).is_none_or(|end| end == u32::MAX) {
-            return Err(MeshError::TooLarge { problem: "the scene has too many vertices; split it".into() });
+            return Err(MeshError::TooLarge {
+                problem: "the scene has too many vertices; split it".into(),
+            });
         }
         self.budget.take(3 * indices.len(), 20, "the scene")?;
         add_triangles(raw, primitive.mode, first, &indices, affine.mirrors());
@@ -278,7 +331,11 @@ fn add_triangles(raw: &mut RawMesh, mode: u32, first: u32, indices: &[u32], mirr
         4 => indices.chunks_exact(3).for_each(|t| add(t[0], t[1], t[2])),
         5 => {
             for (k, t) in indices.windows(3).enumerate() {
-                let (b, c) = if k % 2 == 0 { (t[1], t[2]) } else { (t[2], t[1]) };
+                let (b, c) = if k % 2 == 0 {
+                    (t[1], t[2])
+                } else {
+                    (t[2], t[1])
+                };
                 if t[0] != b && b != c && c != t[0] {
                     add(t[0], b, c);
                 }
@@ -290,6 +347,10 @@ fn add_triangles(raw: &mut RawMesh, mode: u32, first: u32, indices: &[u32], mirr
             }
         }
     }
-    let complete = if mode == 4 { indices.len().is_multiple_of(3) } else { indices.len() > 2 };
+    let complete = if mode == 4 {
+        indices.len().is_multiple_of(3)
+    } else {
+        indices.len() > 2
+    };
     raw.skipped.other += usize::from(!complete);
 }

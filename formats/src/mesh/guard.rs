@@ -16,7 +16,10 @@ thread_local! {
 }
 
 /// Runs `reader`; a panic in it becomes [`MeshError::Panicked`].
-pub fn contain<T>(format: MeshFormat, reader: impl FnOnce() -> Result<T, MeshError>) -> Result<T, MeshError> {
+pub fn contain<T>(
+    format: MeshFormat,
+    reader: impl FnOnce() -> Result<T, MeshError>,
+) -> Result<T, MeshError> {
     static INSTALL: Once = Once::new();
     INSTALL.call_once(|| {
         let previous = take_hook();
@@ -30,7 +33,12 @@ pub fn contain<T>(format: MeshFormat, reader: impl FnOnce() -> Result<T, MeshErr
     // Sound: after a panic nothing of the reader's state is used.
     let result = catch_unwind(AssertUnwindSafe(reader));
     QUIET.set(outer);
-    result.unwrap_or_else(|panic| Err(MeshError::Panicked { format, message: message(&*panic) }))
+    result.unwrap_or_else(|panic| {
+        Err(MeshError::Panicked {
+            format,
+            message: message(&*panic),
+        })
+    })
 }
 
 fn message(panic: &(dyn Any + Send)) -> String {

@@ -77,7 +77,10 @@ fn without_comment(line: &[u8]) -> &[u8] {
 }
 
 /// The first three numbers; a weight or a colour may follow.
-fn position<'a>(here: &Words, mut words: impl Iterator<Item = &'a [u8]>) -> Result<[f64; 3], MeshError> {
+fn position<'a>(
+    here: &Words,
+    mut words: impl Iterator<Item = &'a [u8]>,
+) -> Result<[f64; 3], MeshError> {
     let mut p = [0.0; 3];
     for c in &mut p {
         let word = words.next().ok_or_else(|| {
@@ -123,5 +126,8 @@ fn face<'a>(
 
 /// Statements that describe no element of their own.
 fn is_silent(word: &[u8]) -> bool {
-    !matches!(word, b"curv" | b"curv2" | b"surf" | b"bzp" | b"bsp" | b"cdp" | b"cdc")
+    !matches!(
+        word,
+        b"curv" | b"curv2" | b"surf" | b"bzp" | b"bsp" | b"cdp" | b"cdc"
+    )
 }

@@ -90,12 +90,19 @@ fn header(lines: &mut Lines) -> Result<(Layout, usize, usize), MeshError> {
     let mut counts = words(line).map(parse::<usize>);
     match (counts.next().flatten(), counts.next().flatten()) {
         (Some(vertices), Some(faces)) => Ok((layout, vertices, faces)),
-        _ => Err(here.bad(format!("the numbers of vertices and faces were expected, not `{}`", show(line)))),
+        _ => Err(here.bad(format!(
+            "the numbers of vertices and faces were expected, not `{}`",
+            show(line)
+        ))),
     }
 }
 
 /// `nOFF` says its dimension first. Returns what follows on the line, or else the next line.
-fn dimension<'a>(lines: &mut Lines<'a>, line: &'a [u8], here: &mut Words<'a>) -> Result<&'a [u8], MeshError> {
+fn dimension<'a>(
+    lines: &mut Lines<'a>,
+    line: &'a [u8],
+    here: &mut Words<'a>,
+) -> Result<&'a [u8], MeshError> {
     let word = words(line).next().unwrap_or(line);
     if word != b"3" {
         return Err(here.bad(format!("dimension 3 was expected, not `{}`", show(word))));
@@ -136,8 +143,12 @@ fn face(lines: &mut Lines, vertices: usize, corners: &mut Vec<u32>) -> Result<()
     let (line, mut here) = lines.next("a face")?;
     let mut rest = line;
     let first = split_word(&mut rest).unwrap_or(line);
-    let count = parse::<usize>(first)
-        .ok_or_else(|| here.bad(format!("the number of corners was expected, not `{}`", show(first))))?;
+    let count = parse::<usize>(first).ok_or_else(|| {
+        here.bad(format!(
+            "the number of corners was expected, not `{}`",
+            show(first)
+        ))
+    })?;
     here.room_for(count, 2, "corners of a face")?;
     corners.clear();
     while corners.len() < count {

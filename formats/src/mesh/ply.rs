@@ -37,7 +37,8 @@ pub fn read(bytes: &[u8]) -> Result<RawMesh, MeshError> {
     for element in &elements {
         let smallest = element.properties.iter().map(|p| body.smallest(p)).sum();
         let name = show(&element.name);
-        body.words.room_for(element.count, smallest, &format!("`{name}` elements"))?;
+        body.words
+            .room_for(element.count, smallest, &format!("`{name}` elements"))?;
         match element.name.as_slice() {
             b"vertex" => read_vertices(&mut body, element, &mut raw)?,
             b"face" => read_faces(&mut body, element, &mut raw)?,
@@ -105,7 +106,11 @@ fn property(items: &[&[u8]]) -> Option<Property> {
         [value, name @ ..] => (None, value, name),
         [] => return None,
     };
-    Some(Property { name: name.join(&b' '), list, value: scalar(value)? })
+    Some(Property {
+        name: name.join(&b' '),
+        list,
+        value: scalar(value)?,
+    })
 }
 
 fn scalar(word: &[u8]) -> Option<Scalar> {
@@ -128,9 +133,11 @@ impl Body<'_> {
     fn bad(&self, problem: impl Into<String>) -> MeshError {
         match self.binary {
             None => self.words.bad(problem),
-            Some(_) => {
-                MeshError::malformed(MeshFormat::Ply, format!("byte {}", self.words.offset()), problem)
-            }
+            Some(_) => MeshError::malformed(
+                MeshFormat::Ply,
+                format!("byte {}", self.words.offset()),
+                problem,
+            ),
         }
     }
 
@@ -164,9 +171,13 @@ impl Body<'_> {
             return Ok(());
         };
         let length = self.value(length, &property.name)?;
-        let length =
-            as_count(length).ok_or_else(|| self.bad(format!("{length} is not a length of a list")))?;
-        let size = if self.binary.is_some() { property.value.size() } else { 2 };
+        let length = as_count(length)
+            .ok_or_else(|| self.bad(format!("{length} is not a length of a list")))?;
+        let size = if self.binary.is_some() {
+            property.value.size()
+        } else {
+            2
+        };
         self.words.room_for(length, size, "items of a list")?;
         for _ in 0..length {
             into.push(self.value(property.value, &property.name)?);
@@ -201,14 +212,20 @@ fn read_vertices(body: &mut Body, element: &Element, raw: &mut RawMesh) -> Resul
 /// The list of corners: `vertex_indices` or `vertex_index`, or the only list there is.
 fn corner_list(body: &Body, element: &Element) -> Result<usize, MeshError> {
     let is_list = |p: &Property| p.list.is_some();
-    let named = element
+    let named = element.properties.iter().position(|p| {
+        is_list(p) && matches!(p.name.as_slice(), b"vertex_indices" | b"vertex_index")
+    });
+    let lists = element.properties.iter().filter(|p| is_list(p)).count();
+    let only = element
         .properties
         .iter()
-        .position(|p| is_list(p) && matches!(p.name.as_slice(), b"vertex_indices" | b"vertex_index"));
-    let lists = element.properties.iter().filter(|p| is_list(p)).count();
-    let only = element.properties.iter().position(is_list).filter(|_| lists == 1);
+        .position(is_list)
+        .filter(|_| lists == 1);
     named.or(only).ok_or_else(|| {
-        body.bad(format!("the element `{}` needs a list property `vertex_indices`", show(&element.name)))
+        body.bad(format!(
+            "the element `{}` needs a list property `vertex_indices`",
+            show(&element.name)
+        ))
     })
 }
 
@@ -235,7 +252,9 @@ fn read_faces(body: &mut Body, element: &Element, raw: &mut RawMesh) -> Result<(
 
 fn index(body: &Body, value: f64) -> Result<u32, MeshError> {
     as_index(value).ok_or_else(|| {
-        body.bad(format!("{value} is not a vertex number; the file is damaged: export it again"))
+        body.bad(format!(
+            "{value} is not a vertex number; the file is damaged: export it again"
+        ))
     })
 }
 

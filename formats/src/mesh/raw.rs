@@ -77,7 +77,11 @@ impl Skipped {
 
 impl fmt::Display for Skipped {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} points, {} lines, {} other elements", self.points, self.lines, self.other)
+        write!(
+            f,
+            "{} points, {} lines, {} other elements",
+            self.points, self.lines, self.other
+        )
     }
 }
 
@@ -165,8 +169,12 @@ impl RawMesh {
             return Ok(());
         }
         if self.skipped.lines + self.skipped.other == 0 && !self.positions.is_empty() {
-            return Err(MeshError::PointCloud { points: self.positions.len() });
+            return Err(MeshError::PointCloud {
+                points: self.positions.len(),
+            });
         }
-        Err(MeshError::NoFaces { skipped: self.skipped })
+        Err(MeshError::NoFaces {
+            skipped: self.skipped,
+        })
     }
 }

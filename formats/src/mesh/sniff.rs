@@ -82,7 +82,9 @@ impl MeshFormat {
     /// The format that a file's name promises.
     pub fn from_extension(path: &Path) -> Option<MeshFormat> {
         let extension = path.extension()?.to_str()?.to_ascii_lowercase();
-        MeshFormat::ALL.into_iter().find(|f| f.extension() == extension)
+        MeshFormat::ALL
+            .into_iter()
+            .find(|f| f.extension() == extension)
     }
 
     /// The format of a file: what its content shows, or else what its name promises.
@@ -100,7 +102,9 @@ impl MeshFormat {
         }
         match (named, guess(bytes)) {
             // Without a signature these can't be what they are called.
-            (Some(MeshFormat::Ply | MeshFormat::Glb | MeshFormat::ThreeMf), Some(guess)) => Ok(guess),
+            (Some(MeshFormat::Ply | MeshFormat::Glb | MeshFormat::ThreeMf), Some(guess)) => {
+                Ok(guess)
+            }
             (Some(MeshFormat::Stl | MeshFormat::Obj | MeshFormat::Off), Some(guess)) => Ok(guess),
             (Some(named), _) => Ok(named),
             (None, Some(guess)) => Ok(guess),
@@ -138,7 +142,11 @@ fn signature(bytes: &[u8]) -> Option<MeshFormat> {
     let head = &start[..start.len().min(4096)];
     if head.starts_with(b"<") && find(head, b"<VTKFile").is_some() {
         let polygons = find(head, b"\"PolyData\"").or(find(head, b"'PolyData'"));
-        return Some(if polygons.is_some() { MeshFormat::Vtp } else { MeshFormat::Vtu });
+        return Some(if polygons.is_some() {
+            MeshFormat::Vtp
+        } else {
+            MeshFormat::Vtu
+        });
     }
     None
 }
@@ -169,17 +177,38 @@ fn guess(bytes: &[u8]) -> Option<MeshFormat> {
 /// What people try by mistake.
 fn known_stranger(bytes: &[u8]) -> Option<&'static str> {
     let strangers: [(&[u8], &str); 11] = [
-        (b"\x1f\x8b", "the file is compressed with gzip: unpack it first"),
+        (
+            b"\x1f\x8b",
+            "the file is compressed with gzip: unpack it first",
+        ),
         (b"BZh", "the file is compressed with bzip2: unpack it first"),
-        (b"\xFD7zXZ", "the file is compressed with xz: unpack it first"),
-        (b"\x28\xB5\x2F\xFD", "the file is compressed with zstd: unpack it first"),
+        (
+            b"\xFD7zXZ",
+            "the file is compressed with xz: unpack it first",
+        ),
+        (
+            b"\x28\xB5\x2F\xFD",
+            "the file is compressed with zstd: unpack it first",
+        ),
         (b"\xFF\xFE", "the file is UTF-16 text: save it as UTF-8"),
         (b"\xFE\xFF", "the file is UTF-16 text: save it as UTF-8"),
-        (b"version https://git-lfs", "the file is a Git LFS pointer, not a mesh: run `git lfs pull`"),
-        (b"<!DOCTYPE", "the file is a web page, not a mesh: download it again"),
-        (b"<html", "the file is a web page, not a mesh: download it again"),
+        (
+            b"version https://git-lfs",
+            "the file is a Git LFS pointer, not a mesh: run `git lfs pull`",
+        ),
+        (
+            b"<!DOCTYPE",
+            "the file is a web page, not a mesh: download it again",
+        ),
+        (
+            b"<html",
+            "the file is a web page, not a mesh: download it again",
+        ),
         (b"Kaydara FBX", "the file is FBX: export it as glTF or OBJ"),
-        (b"\x89HDF", "the file is HDF5: export its surface as VTP or PLY"),
+        (
+            b"\x89HDF",
+            "the file is HDF5: export its surface as VTP or PLY",
+        ),
     ];
     if bytes.is_empty() {
         return Some("the file is empty (0 bytes): export or download it again");
@@ -188,7 +217,10 @@ fn known_stranger(bytes: &[u8]) -> Option<&'static str> {
     if super::stl::has_binary_size(bytes) {
         return None;
     }
-    strangers.iter().find(|(start, _)| bytes.starts_with(start)).map(|(_, problem)| *problem)
+    strangers
+        .iter()
+        .find(|(start, _)| bytes.starts_with(start))
+        .map(|(_, problem)| *problem)
 }
 
 fn without_bom(bytes: &[u8]) -> &[u8] {
@@ -197,5 +229,7 @@ fn without_bom(bytes: &[u8]) -> &[u8] {
 
 /// Where `needle` starts.
 pub(super) fn find(bytes: &[u8], needle: &[u8]) -> Option<usize> {
-    bytes.windows(needle.len()).position(|window| window == needle)
+    bytes
+        .windows(needle.len())
+        .position(|window| window == needle)
 }

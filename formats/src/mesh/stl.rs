@@ -32,9 +32,13 @@ fn announced(bytes: &[u8]) -> usize {
 
 /// Starts with `solid` and a line with `facet` or `endsolid` follows.
 pub fn looks_ascii(bytes: &[u8]) -> bool {
-    let text = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes).trim_ascii_start();
+    let text = bytes
+        .strip_prefix(b"\xEF\xBB\xBF")
+        .unwrap_or(bytes)
+        .trim_ascii_start();
     let head = text[..text.len().min(65536)].to_ascii_lowercase();
-    head.starts_with(b"solid") && (find(&head, b"facet").is_some() || find(&head, b"endsolid").is_some())
+    head.starts_with(b"solid")
+        && (find(&head, b"facet").is_some() || find(&head, b"endsolid").is_some())
 }
 
 fn read_binary(bytes: &[u8]) -> Result<RawMesh, MeshError> {
@@ -49,7 +53,10 @@ fn read_binary(bytes: &[u8]) -> Result<RawMesh, MeshError> {
     }
     let count = announced(bytes);
     let records = &bytes[HEADER..];
-    if count.checked_mul(RECORD).is_none_or(|size| size > records.len()) {
+    if count
+        .checked_mul(RECORD)
+        .is_none_or(|size| size > records.len())
+    {
         return Err(raw.bad(
             "byte 80",
             format!(
@@ -76,7 +83,12 @@ fn vertex_number(raw: &RawMesh, k: usize) -> Result<u32, MeshError> {
     u32::try_from(k)
         .ok()
         .filter(|&k| k < u32::MAX - 2)
-        .ok_or_else(|| raw.bad(format!("triangle {}", k / 3), "too many triangles; split the mesh"))
+        .ok_or_else(|| {
+            raw.bad(
+                format!("triangle {}", k / 3),
+                "too many triangles; split the mesh",
+            )
+        })
 }
 
 fn read_ascii(bytes: &[u8]) -> Result<RawMesh, MeshError> {
@@ -104,7 +116,11 @@ fn read_ascii(bytes: &[u8]) -> Result<RawMesh, MeshError> {
             b"loop" | b"endfacet" => {}
             b"vertex" if open.is_some() => {
                 let what = "vertex coordinate";
-                let p = [words.number(what)?, words.number(what)?, words.number(what)?];
+                let p = [
+                    words.number(what)?,
+                    words.number(what)?,
+                    words.number(what)?,
+                ];
                 raw.positions.push(p);
             }
             b"endloop" if open.is_some() => {

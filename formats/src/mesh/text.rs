@@ -13,8 +13,17 @@ pub struct Words<'a> {
 
 impl<'a> Words<'a> {
     pub fn new(bytes: &'a [u8], format: MeshFormat) -> Words<'a> {
-        let at = if bytes.starts_with(b"\xEF\xBB\xBF") { 3 } else { 0 };
-        Words { bytes, at, line: 1, format }
+        let at = if bytes.starts_with(b"\xEF\xBB\xBF") {
+            3
+        } else {
+            0
+        };
+        Words {
+            bytes,
+            at,
+            line: 1,
+            format,
+        }
     }
 
     pub fn bad(&self, problem: impl Into<String>) -> MeshError {
@@ -84,7 +93,8 @@ impl<'a> Words<'a> {
     /// The next word as a whole number.
     pub fn count(&mut self, what: &str) -> Result<usize, MeshError> {
         let word = self.word(what)?;
-        parse(word).ok_or_else(|| self.bad(format!("`{}` is not a whole number ({what})", show(word))))
+        parse(word)
+            .ok_or_else(|| self.bad(format!("`{}` is not a whole number ({what})", show(word))))
     }
 
     /// Checks that `count` items of at least `size` bytes can still follow.
@@ -120,7 +130,10 @@ pub fn not_a_number(word: &[u8], what: &str) -> String {
 /// A word of a file, for a message: short, printable.
 pub fn show(word: &[u8]) -> String {
     let text = String::from_utf8_lossy(&word[..word.len().min(40)]);
-    let text: String = text.chars().map(|c| if c.is_control() { '?' } else { c }).collect();
+    let text: String = text
+        .chars()
+        .map(|c| if c.is_control() { '?' } else { c })
+        .collect();
     if word.len() > 40 { text + "..." } else { text }
 }
 
@@ -144,5 +157,6 @@ pub fn number(word: &[u8]) -> Option<f64> {
 
 /// Words of one line.
 pub fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
-    line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
+    line.split(u8::is_ascii_whitespace)
+        .filter(|word| !word.is_empty())
 }

@@ -49,7 +49,10 @@ struct Reference {
 pub fn read(bytes: &[u8]) -> Result<RawMesh, MeshError> {
     let mut raw = RawMesh::new(MeshFormat::ThreeMf);
     let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(|error| {
-        raw.bad("the archive", format!("{error}; the file was cut or isn't 3MF: export it again"))
+        raw.bad(
+            "the archive",
+            format!("{error}; the file was cut or isn't 3MF: export it again"),
+        )
     })?;
     let mut budget = Budget::new(bytes.len());
     let root = root_part(&mut archive)?;
@@ -59,8 +62,13 @@ pub fn read(bytes: &[u8]) -> Result<RawMesh, MeshError> {
     let mut todo: Vec<(String, Reference, usize)> = Vec::new();
     let mut items = parts[&root].items.clone();
     if items.is_empty() {
-        let with_mesh = parts[&root].objects.iter().filter(|(_, o)| !o.triangles.is_empty());
-        items = with_mesh.map(|(&object, _)| Reference::to(object)).collect();
+        let with_mesh = parts[&root]
+            .objects
+            .iter()
+            .filter(|(_, o)| !o.triangles.is_empty());
+        items = with_mesh
+            .map(|(&object, _)| Reference::to(object))
+            .collect();
     }
     todo.extend(items.into_iter().rev().map(|item| (root.clone(), item, 0)));
     let mut instances = 0;
@@ -69,18 +77,25 @@ pub fn read(bytes: &[u8]) -> Result<RawMesh, MeshError> {
         load_part(&mut archive, &path, &mut budget, &mut parts)?;
         let place = format!("{path}, object {}", reference.object);
         let Some(object) = parts[&path].objects.get(&reference.object) else {
-            return Err(raw.bad(place, "there is no such object; the file is damaged: export again"));
+            return Err(raw.bad(
+                place,
+                "there is no such object; the file is damaged: export again",
+            ));
         };
         instances += 1;
         if depth > MAX_DEPTH || instances > MAX_INSTANCES {
-            return Err(
-                raw.bad(place, "components contain each other, or there are over a million; export again")
-            );
+            return Err(raw.bad(
+                place,
+                "components contain each other, or there are over a million; export again",
+            ));
         }
         add_object(&mut raw, object, &reference.affine, (&mut budget, &place))?;
         for component in object.components.iter().rev() {
             let affine = reference.affine.after(&component.affine);
-            let component = Reference { affine, ..component.clone() };
+            let component = Reference {
+                affine,
+                ..component.clone()
+            };
             todo.push((path.clone(), component, depth + 1));
         }
         if todo.len() > MAX_INSTANCES {
@@ -92,7 +107,11 @@ pub fn read(bytes: &[u8]) -> Result<RawMesh, MeshError> {
 
 impl Reference {
     fn to(object: u64) -> Reference {
-        Reference { path: None, object, affine: Affine::IDENTITY }
+        Reference {
+            path: None,
+            object,
+            affine: Affine::IDENTITY,
+        }
     }
 }
 
@@ -110,16 +129,24 @@ fn add_object(
     budget.take(object.vertices.len(), 3 * 24, "the build")?;
     budget.take(object.triangles.len(), 3 * 20, "the build")?;
     let (first, count) = (raw.positions.len(), object.vertices.len());
-    let Some(first) = u32::try_from(first).ok().filter(|_| first + count < u32::MAX as usize) else {
-        return Err(MeshError::TooLarge { problem: "too many vertices; split the build".into() });
+    let Some(first) = u32::try_from(first)
+        .ok()
+        .filter(|_| first + count < u32::MAX as usize)
+    else {
+        return Err(MeshError::TooLarge {
+            problem: "too many vertices; split the build".into(),
+        });
     };
-    raw.positions.extend(object.vertices.iter().map(|&p| affine.apply(p)));
+    raw.positions
+        .extend(object.vertices.iter().map(|&p| affine.apply(p)));
     let mirrored = affine.mirrors();
     for (k, &[a, b, c]) in object.triangles.iter().enumerate() {
         if let Some(bad) = [a, b, c].into_iter().find(|&v| v as usize >= count) {
             return Err(raw.bad(
                 format!("{place}, triangle {k} (counted from 0)"),
-                format!("refers to vertex {bad}, but there are only {count}; export the file again"),
+                format!(
+                    "refers to vertex {bad}, but there are only {count}; export the file again"
+                ),
             ));
         }
         let (b, c) = if mirrored { (c, b) } else { (b, c) };
@@ -158,10 +185,20 @@ fn root_part(archive: &mut Archive) -> Result<String, MeshError> {
     }
     let found = found.map(|path| entry_name(&path));
     let found = found.filter(|path| archive.index_for_name(path).is_some());
-    let first = || archive.file_names().flatten().find(|name| name.ends_with(".model"));
+    let first = || {
+        archive
+            .file_names()
+            .flatten()
+            .find(|name| name.ends_with(".model"))
+    };
     found
         .or_else(|| first().map(|name| name.into_owned()))
-        .ok_or_else(|| bad("the archive", "there is no 3D model in it: it is a ZIP, but not a 3MF file"))
+        .ok_or_else(|| {
+            bad(
+                "the archive",
+                "there is no 3D model in it: it is a ZIP, but not a 3MF file",
+            )
+        })
 }
 
 fn load_part(
@@ -197,11 +234,17 @@ fn read_part<R: BufRead>(reader: &mut Reader<R>, path: &str) -> Result<Part, Mes
         let event = reader.read_event_into(&mut buffer);
         let place = || format!("{path}, byte {}", reader.buffer_position());
         let event = event.map_err(|error| {
-            bad(&place(), format!("{error}; the file was cut or is damaged: export it again"))
+            bad(
+                &place(),
+                format!("{error}; the file was cut or is damaged: export it again"),
+            )
         })?;
         match &event {
             Event::Eof if depth > 0 => {
-                return Err(bad(&place(), "the XML ends early; the file was cut: export it again"));
+                return Err(bad(
+                    &place(),
+                    "the XML ends early; the file was cut: export it again",
+                ));
             }
             Event::Eof => return Ok(part),
             Event::Start(tag) | Event::Empty(tag) => {
@@ -258,7 +301,10 @@ fn parse<T: std::str::FromStr>(
     let text = attribute(tag, name).unwrap_or_default();
     text.trim().parse().map_err(|_| {
         let (name, text) = (show(name.as_bytes()), show(text.as_bytes()));
-        bad(&place(), format!("the attribute {name} is not a valid number: `{text}`; export again"))
+        bad(
+            &place(),
+            format!("the attribute {name} is not a valid number: `{text}`; export again"),
+        )
     })
 }
 
@@ -286,9 +332,18 @@ fn reference(tag: &BytesStart, place: &dyn Fn() -> String) -> Result<Reference, 
     if let Some(text) = attribute(tag, "transform") {
         let numbers: Vec<f64> = text.split_whitespace().flat_map(str::parse).collect();
         let Ok(m) = <[f64; 12]>::try_from(numbers) else {
-            return Err(bad(&place(), "a transform needs 12 numbers; export the file again"));
+            return Err(bad(
+                &place(),
+                "a transform needs 12 numbers; export the file again",
+            ));
         };
-        affine = Affine(std::array::from_fn(|i| [m[i], m[3 + i], m[6 + i], m[9 + i]]));
+        affine = Affine(std::array::from_fn(|i| {
+            [m[i], m[3 + i], m[6 + i], m[9 + i]]
+        }));
     }
-    Ok(Reference { path, object, affine })
+    Ok(Reference {
+        path,
+        object,
+        affine,
+    })
 }

@@ -49,7 +49,10 @@ impl Default for Placement {
             unit: 1.0,
             up_axis: UpAxis::Y,
             scale: [1.0; 3],
-            rotation: Rotation { axis: [0.0, 1.0, 0.0], degrees: 0.0 },
+            rotation: Rotation {
+                axis: [0.0, 1.0, 0.0],
+                degrees: 0.0,
+            },
             translation: [0.0; 3],
         }
     }
@@ -67,10 +70,16 @@ impl Placement {
             return setting(format!("the unit must be positive, not {}", self.unit));
         }
         if !self.scale.iter().all(|s| s.is_finite() && *s != 0.0) {
-            return setting(format!("the scale must be finite and not 0, not {:?}", self.scale));
+            return setting(format!(
+                "the scale must be finite and not 0, not {:?}",
+                self.scale
+            ));
         }
         if !self.translation.iter().all(|t| t.is_finite()) {
-            return setting(format!("the translation must be finite, not {:?}", self.translation));
+            return setting(format!(
+                "the translation must be finite, not {:?}",
+                self.translation
+            ));
         }
         let up = match self.up_axis {
             UpAxis::X => [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]],
@@ -79,7 +88,12 @@ impl Placement {
         };
         let factor = self.scale.map(|s| s * self.unit);
         let scaled = Affine(std::array::from_fn(|i| {
-            [up[i][0] * factor[i], up[i][1] * factor[i], up[i][2] * factor[i], 0.0]
+            [
+                up[i][0] * factor[i],
+                up[i][1] * factor[i],
+                up[i][2] * factor[i],
+                0.0,
+            ]
         }));
         let mut placed = self.rotation.affine()?.after(&scaled);
         for (row, shift) in placed.0.iter_mut().zip(self.translation) {
@@ -131,9 +145,24 @@ impl Rotation {
         let (sin, cos) = sin_cos_degrees(self.degrees);
         let rest = 1.0 - cos;
         Ok(Affine([
-            [cos + x * x * rest, x * y * rest - z * sin, x * z * rest + y * sin, 0.0],
-            [y * x * rest + z * sin, cos + y * y * rest, y * z * rest - x * sin, 0.0],
-            [z * x * rest - y * sin, z * y * rest + x * sin, cos + z * z * rest, 0.0],
+            [
+                cos + x * x * rest,
+                x * y * rest - z * sin,
+                x * z * rest + y * sin,
+                0.0,
+            ],
+            [
+                y * x * rest + z * sin,
+                cos + y * y * rest,
+                y * z * rest - x * sin,
+                0.0,
+            ],
+            [
+                z * x * rest - y * sin,
+                z * y * rest + x * sin,
+                cos + z * z * rest,
+                0.0,
+            ],
         ]))
     }
 }
@@ -152,11 +181,16 @@ fn sin_cos_degrees(degrees: f64) -> (f64, f64) {
 
 impl Affine {
     /// Leaves all as it is.
-    pub const IDENTITY: Affine = Affine([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]);
+    pub const IDENTITY: Affine = Affine([
+        [1.0, 0.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0, 0.0],
+        [0.0, 0.0, 1.0, 0.0],
+    ]);
 
     /// The transformed point.
     pub fn apply(&self, p: [f64; 3]) -> [f64; 3] {
-        self.0.map(|row| row[0] * p[0] + row[1] * p[1] + row[2] * p[2] + row[3])
+        self.0
+            .map(|row| row[0] * p[0] + row[1] * p[1] + row[2] * p[2] + row[3])
     }
 
     /// `self` applied to what `first` gives.
@@ -190,10 +224,15 @@ mod tests {
 
     #[test]
     fn the_up_axis_becomes_y() {
-        for (up_axis, up) in
-            [(UpAxis::X, [1.0, 0.0, 0.0]), (UpAxis::Y, [0.0, 1.0, 0.0]), (UpAxis::Z, [0.0, 0.0, 1.0])]
-        {
-            let placement = Placement { up_axis, ..Default::default() };
+        for (up_axis, up) in [
+            (UpAxis::X, [1.0, 0.0, 0.0]),
+            (UpAxis::Y, [0.0, 1.0, 0.0]),
+            (UpAxis::Z, [0.0, 0.0, 1.0]),
+        ] {
+            let placement = Placement {
+                up_axis,
+                ..Default::default()
+            };
             assert_eq!(placed(placement, up), [0.0, 1.0, 0.0]);
             assert!(!placement.affine().unwrap().mirrors());
         }
@@ -205,11 +244,17 @@ mod tests {
             unit: 0.001,
             up_axis: UpAxis::Z,
             scale: [2.0, 3.0, 4.0],
-            rotation: Rotation { axis: [0.0, 0.0, 5.0], degrees: 90.0 },
+            rotation: Rotation {
+                axis: [0.0, 0.0, 5.0],
+                degrees: 90.0,
+            },
             translation: [10.0, 20.0, 30.0],
         };
         // Unit: (1, 2, 3) -> up: (1, 3, -2) -> scale: (2, 9, -8) -> turn: (-9, 2, -8).
-        assert_eq!(placed(placement, [1000.0, 2000.0, 3000.0]), [1.0, 22.0, 22.0]);
+        assert_eq!(
+            placed(placement, [1000.0, 2000.0, 3000.0]),
+            [1.0, 22.0, 22.0]
+        );
     }
 
     #[test]
@@ -218,7 +263,10 @@ mod tests {
             vertices: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
             triangles: vec![[0, 1, 2]],
         };
-        let placement = Placement { scale: [-1.0, 1.0, 1.0], ..Default::default() };
+        let placement = Placement {
+            scale: [-1.0, 1.0, 1.0],
+            ..Default::default()
+        };
         placement.apply(&mut mesh).unwrap();
         assert_eq!(mesh.triangles, [[0, 2, 1]]);
         assert_eq!(mesh.vertices[1], [-1.0, 0.0, 0.0]);
@@ -227,10 +275,25 @@ mod tests {
     #[test]
     fn bad_settings_are_errors() {
         let bad = [
-            Placement { unit: 0.0, ..Default::default() },
-            Placement { scale: [1.0, 0.0, 1.0], ..Default::default() },
-            Placement { translation: [f64::NAN, 0.0, 0.0], ..Default::default() },
-            Placement { rotation: Rotation { axis: [0.0; 3], degrees: 1.0 }, ..Default::default() },
+            Placement {
+                unit: 0.0,
+                ..Default::default()
+            },
+            Placement {
+                scale: [1.0, 0.0, 1.0],
+                ..Default::default()
+            },
+            Placement {
+                translation: [f64::NAN, 0.0, 0.0],
+                ..Default::default()
+            },
+            Placement {
+                rotation: Rotation {
+                    axis: [0.0; 3],
+                    degrees: 1.0,
+                },
+                ..Default::default()
+            },
         ];
         for placement in bad {
             assert!(placement.affine().is_err(), "{placement:?}");

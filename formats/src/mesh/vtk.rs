@@ -53,7 +53,9 @@ pub fn read(bytes: &[u8]) -> Result<RawMesh, MeshError> {
             // What follows belongs to points and cells that were read before.
             b"POINT_DATA" | b"CELL_DATA" => break,
             _ => {
-                return Err(file.words.bad(format!("`{}` is not a known section", show(&word))));
+                return Err(file
+                    .words
+                    .bad(format!("`{}` is not a known section", show(&word))));
             }
         }
     }
@@ -71,7 +73,9 @@ pub fn read(bytes: &[u8]) -> Result<RawMesh, MeshError> {
             kinds.len()
         )));
     }
-    cells.add(&mut raw, &mut faces, |k| as_count(kinds[k]).and_then(|k| u8::try_from(k).ok()))?;
+    cells.add(&mut raw, &mut faces, |k| {
+        as_count(kinds[k]).and_then(|k| u8::try_from(k).ok())
+    })?;
     faces.finish(&mut raw);
     Ok(raw)
 }
@@ -87,7 +91,8 @@ impl Lists {
         for (k, &end) in self.ends.iter().enumerate() {
             let at = || format!("cell {k} (counted from 0)");
             let corners = corners(raw, &self.corners[start..end], 0, &at)?;
-            let kind = kind(k).ok_or_else(|| raw.bad(at(), "the cell type is not a type number"))?;
+            let kind =
+                kind(k).ok_or_else(|| raw.bad(at(), "the cell type is not a type number"))?;
             faces.add(raw, kind, &corners)?;
             start = end;
         }
@@ -113,13 +118,22 @@ fn header(bytes: &[u8]) -> Result<File<'_>, MeshError> {
 }
 
 fn dataset_kind(file: &mut File) -> Result<(), MeshError> {
-    let kind = file.words.word("the type of the data set")?.to_ascii_uppercase();
+    let kind = file
+        .words
+        .word("the type of the data set")?
+        .to_ascii_uppercase();
     match kind.as_slice() {
         b"POLYDATA" | b"UNSTRUCTURED_GRID" => Ok(()),
         b"STRUCTURED_GRID" | b"STRUCTURED_POINTS" | b"RECTILINEAR_GRID" | b"FIELD" => {
-            Err(MeshError::unsupported(MeshFormat::Vtk, format!("data set {}", show(&kind)), SURFACE))
+            Err(MeshError::unsupported(
+                MeshFormat::Vtk,
+                format!("data set {}", show(&kind)),
+                SURFACE,
+            ))
         }
-        _ => Err(file.words.bad(format!("`{}` is not a type of data set", show(&kind)))),
+        _ => Err(file
+            .words
+            .bad(format!("`{}` is not a type of data set", show(&kind)))),
     }
 }
 
@@ -151,7 +165,11 @@ impl File<'_> {
             if rest.len() < count * size {
                 return Err(self.words.bad(ends_early(what)));
             }
-            values.extend(rest[..count * size].chunks_exact(size).map(|item| kind.read(item, Endian::Big)));
+            values.extend(
+                rest[..count * size]
+                    .chunks_exact(size)
+                    .map(|item| kind.read(item, Endian::Big)),
+            );
             self.words.skip_bytes(count * size);
             return Ok(values);
         }
@@ -181,7 +199,10 @@ fn read_lists(file: &mut File) -> Result<Lists, MeshError> {
     let size = file.words.count("the size of the cells' list")?;
     file.words.next_line();
     let mut ahead = file.words.clone();
-    if ahead.next().is_some_and(|word| word.eq_ignore_ascii_case(b"OFFSETS")) {
+    if ahead
+        .next()
+        .is_some_and(|word| word.eq_ignore_ascii_case(b"OFFSETS"))
+    {
         return read_offsets(file, count, size);
     }
     let values = file.values(size, Scalar::I32, "numbers of cells")?;
@@ -190,7 +211,9 @@ fn read_lists(file: &mut File) -> Result<Lists, MeshError> {
     file.words.room_for_read(count, size)?;
     for k in 0..count {
         let length = values.get(at).copied().and_then(as_count);
-        let end = length.and_then(|n| n.checked_add(at + 1)).filter(|&end| end <= values.len());
+        let end = length
+            .and_then(|n| n.checked_add(at + 1))
+            .filter(|&end| end <= values.len());
         let Some(end) = end else {
             return Err(file.words.bad(format!(
                 "cell {k} of {count} (the section ends here) doesn't fit the announced {size} numbers; \
@@ -210,7 +233,9 @@ impl Words<'_> {
         if count <= size {
             return Ok(());
         }
-        Err(self.bad(format!("{count} cells don't fit {size} numbers; export the file again")))
+        Err(self.bad(format!(
+            "{count} cells don't fit {size} numbers; export the file again"
+        )))
     }
 }
 
@@ -219,7 +244,9 @@ fn read_offsets(file: &mut File, count: usize, size: usize) -> Result<Lists, Mes
     for (name, length) in [("OFFSETS", count), ("CONNECTIVITY", size)] {
         let word = file.words.word(name)?;
         if !word.eq_ignore_ascii_case(name.as_bytes()) {
-            return Err(file.words.bad(format!("`{name}` was expected, not `{}`", show(word))));
+            return Err(file
+                .words
+                .bad(format!("`{name}` was expected, not `{}`", show(word))));
         }
         let word = file.words.word("the type of the numbers")?;
         let kind = scalar(&file.words, word)?;
@@ -230,7 +257,9 @@ fn read_offsets(file: &mut File, count: usize, size: usize) -> Result<Lists, Mes
     let offsets = arrays.pop().unwrap_or_default();
     let ends: Option<Vec<usize>> = offsets.iter().map(|&value| as_count(value)).collect();
     let ends = ends.filter(|ends| {
-        ends.is_sorted() && ends.iter().all(|&e| e <= corners.len()) && ends.first().is_none_or(|&e| e == 0)
+        ends.is_sorted()
+            && ends.iter().all(|&e| e <= corners.len())
+            && ends.first().is_none_or(|&e| e == 0)
     });
     let Some(mut ends) = ends else {
         return Err(file.words.bad(
@@ -286,8 +315,11 @@ fn skip_strings(file: &mut File, count: usize) -> Result<(), MeshError> {
         let Some(raw) = rest.get(..bytes) else {
             return Err(file.words.bad(ends_early("a string")));
         };
-        let length = raw[1..].iter().fold(usize::from(head & 63), |n, &b| (n << 8) | usize::from(b));
-        file.words.skip_bytes(bytes.saturating_add(length).min(rest.len()));
+        let length = raw[1..]
+            .iter()
+            .fold(usize::from(head & 63), |n, &b| (n << 8) | usize::from(b));
+        file.words
+            .skip_bytes(bytes.saturating_add(length).min(rest.len()));
     }
     Ok(())
 }
@@ -306,6 +338,9 @@ fn skip_metadata(file: &mut File) {
 mod tests {
     #[test]
     fn a_string_length_takes_one_to_eight_bytes() {
-        assert_eq!([0u8, 0x40, 0x80, 0xC0].map(|head| 8usize >> (head >> 6)), [8, 4, 2, 1]);
+        assert_eq!(
+            [0u8, 0x40, 0x80, 0xC0].map(|head| 8usize >> (head >> 6)),
+            [8, 4, 2, 1]
+        );
     }
 }

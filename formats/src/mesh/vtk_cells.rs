@@ -7,12 +7,36 @@ use super::binary::as_index;
 use super::{MeshError, RawMesh};
 
 const TETRA: &[&[usize]] = &[&[0, 1, 3], &[1, 2, 3], &[2, 0, 3], &[0, 2, 1]];
-const HEXAHEDRON: &[&[usize]] =
-    &[&[0, 4, 7, 3], &[1, 2, 6, 5], &[0, 1, 5, 4], &[3, 7, 6, 2], &[0, 3, 2, 1], &[4, 5, 6, 7]];
-const VOXEL: &[&[usize]] =
-    &[&[0, 4, 6, 2], &[1, 3, 7, 5], &[0, 1, 5, 4], &[2, 6, 7, 3], &[0, 2, 3, 1], &[4, 5, 7, 6]];
-const WEDGE: &[&[usize]] = &[&[0, 1, 2], &[3, 5, 4], &[0, 3, 4, 1], &[1, 4, 5, 2], &[2, 5, 3, 0]];
-const PYRAMID: &[&[usize]] = &[&[0, 3, 2, 1], &[0, 1, 4], &[1, 2, 4], &[2, 3, 4], &[3, 0, 4]];
+const HEXAHEDRON: &[&[usize]] = &[
+    &[0, 4, 7, 3],
+    &[1, 2, 6, 5],
+    &[0, 1, 5, 4],
+    &[3, 7, 6, 2],
+    &[0, 3, 2, 1],
+    &[4, 5, 6, 7],
+];
+const VOXEL: &[&[usize]] = &[
+    &[0, 4, 6, 2],
+    &[1, 3, 7, 5],
+    &[0, 1, 5, 4],
+    &[2, 6, 7, 3],
+    &[0, 2, 3, 1],
+    &[4, 5, 7, 6],
+];
+const WEDGE: &[&[usize]] = &[
+    &[0, 1, 2],
+    &[3, 5, 4],
+    &[0, 3, 4, 1],
+    &[1, 4, 5, 2],
+    &[2, 5, 3, 0],
+];
+const PYRAMID: &[&[usize]] = &[
+    &[0, 3, 2, 1],
+    &[0, 1, 4],
+    &[1, 2, 4],
+    &[2, 3, 4],
+    &[3, 0, 4],
+];
 
 /// Cells of one grid, whose faces are added at its end.
 #[derive(Default)]
@@ -30,9 +54,15 @@ pub fn corners(
     at: &dyn Fn() -> String,
 ) -> Result<Vec<u32>, MeshError> {
     let index = |&value: &f64| {
-        as_index(value).and_then(|index| index.checked_add(first)).filter(|&i| i < u32::MAX).ok_or_else(
-            || raw.bad(at(), format!("{value} is not a point number; the file is damaged: export it again")),
-        )
+        as_index(value)
+            .and_then(|index| index.checked_add(first))
+            .filter(|&i| i < u32::MAX)
+            .ok_or_else(|| {
+                raw.bad(
+                    at(),
+                    format!("{value} is not a point number; the file is damaged: export it again"),
+                )
+            })
     };
     values.iter().map(index).collect()
 }
@@ -59,7 +89,10 @@ impl Cells {
             _ => {
                 return Err(MeshError::unsupported(
                     raw.format,
-                    format!("cell type {kind} ({})", if kind == 42 { "polyhedron" } else { "curved" }),
+                    format!(
+                        "cell type {kind} ({})",
+                        if kind == 42 { "polyhedron" } else { "curved" }
+                    ),
                     "extract a linear surface (in ParaView: Extract Surface, save as .vtp)",
                 ));
             }
@@ -69,10 +102,19 @@ impl Cells {
         Ok(())
     }
 
-    fn check_corners(&self, raw: &RawMesh, kind: u8, corners: &[u32], count: usize) -> Result<(), MeshError> {
+    fn check_corners(
+        &self,
+        raw: &RawMesh,
+        kind: u8,
+        corners: &[u32],
+        count: usize,
+    ) -> Result<(), MeshError> {
         let bad = |problem: String| {
             let number = self.surface.len() + self.volume.len();
-            Err(raw.bad(format!("a cell of type {kind} (after {number} faces)"), problem))
+            Err(raw.bad(
+                format!("a cell of type {kind} (after {number} faces)"),
+                problem,
+            ))
         };
         if corners.len() != count {
             return bad(format!("has {} corners instead of {count}", corners.len()));
@@ -147,7 +189,11 @@ impl Cells {
         }
         for same in self.volume.chunk_by(|a, b| a.0 == b.0) {
             if let [(_, face)] = same {
-                let corners = if face[3] == u32::MAX { &face[..3] } else { &face[..] };
+                let corners = if face[3] == u32::MAX {
+                    &face[..3]
+                } else {
+                    &face[..]
+                };
                 raw.faces.push(corners);
             }
         }
@@ -160,6 +206,8 @@ impl Cells {
         }
         key[..corners.len()].copy_from_slice(corners);
         key.sort_unstable();
-        self.volume.binary_search_by_key(&key, |face| face.0).is_ok()
+        self.volume
+            .binary_search_by_key(&key, |face| face.0)
+            .is_ok()
     }
 }

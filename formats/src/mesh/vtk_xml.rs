@@ -44,12 +44,17 @@ pub fn read(bytes: &[u8], format: MeshFormat) -> Result<RawMesh, MeshError> {
             Event::Start(tag) | Event::Empty(tag)
                 if tag.local_name().as_ref() == "DataArray" && is_geometry(&section) =>
             {
-                let decoder = decoder.as_ref().ok_or_else(|| raw.bad(place(), "no VTKFile"))?;
+                let decoder = decoder
+                    .as_ref()
+                    .ok_or_else(|| raw.bad(place(), "no VTKFile"))?;
                 let name = attribute(&tag, "Name").unwrap_or_default();
                 let source = source(&tag, xml, at, appended);
-                let problem = |problem: array::Problem| problem.into_error(&raw, line_of(bytes, at));
+                let problem =
+                    |problem: array::Problem| problem.into_error(&raw, line_of(bytes, at));
                 let kind = attribute(&tag, "type").unwrap_or_default();
-                let values = decoder.decode(&source, &kind, &mut budget).map_err(problem)?;
+                let values = decoder
+                    .decode(&source, &kind, &mut budget)
+                    .map_err(problem)?;
                 piece.arrays.push((section.clone(), name, values));
             }
             Event::Start(tag) | Event::Empty(tag) => match tag.local_name().as_ref() {
@@ -68,7 +73,10 @@ pub fn read(bytes: &[u8], format: MeshFormat) -> Result<RawMesh, MeshError> {
         }
     }
     if decoder.is_none() {
-        return Err(raw.bad("line 1", "there is no VTKFile element: it isn't a VTK XML file"));
+        return Err(raw.bad(
+            "line 1",
+            "there is no VTKFile element: it isn't a VTK XML file",
+        ));
     }
     check_closed(bytes, &raw)?;
     Ok(raw)
@@ -80,7 +88,10 @@ fn check_closed(bytes: &[u8], raw: &RawMesh) -> Result<(), MeshError> {
     if find(tail, b"</VTKFile").is_some() {
         return Ok(());
     }
-    Err(raw.bad(line_of(bytes, end), "the file ends without `</VTKFile>`; it was cut: export it again"))
+    Err(raw.bad(
+        line_of(bytes, end),
+        "the file ends without `</VTKFile>`; it was cut: export it again",
+    ))
 }
 
 fn is_section(name: &str) -> bool {
@@ -88,7 +99,10 @@ fn is_section(name: &str) -> bool {
 }
 
 fn is_geometry(section: &str) -> bool {
-    matches!(section, "Points" | "Cells" | "Verts" | "Lines" | "Strips" | "Polys")
+    matches!(
+        section,
+        "Points" | "Cells" | "Verts" | "Lines" | "Strips" | "Polys"
+    )
 }
 
 /// XML readers can't pass raw bytes: what comes before them, and the bytes after the underscore.
@@ -96,7 +110,10 @@ fn split_appended(bytes: &[u8]) -> (&[u8], Option<&[u8]>) {
     let Some(tag) = find_fast(bytes, b"<AppendedData") else {
         return (bytes, None);
     };
-    let open = bytes[tag..].iter().position(|&b| b == b'>').map(|k| tag + k);
+    let open = bytes[tag..]
+        .iter()
+        .position(|&b| b == b'>')
+        .map(|k| tag + k);
     let data = open.and_then(|open| {
         let rest = &bytes[open..];
         rest.iter().position(|&b| b == b'_').map(|k| &rest[k + 1..])
@@ -116,13 +133,19 @@ fn find_fast(bytes: &[u8], needle: &[u8]) -> Option<usize> {
     None
 }
 
-fn source<'a>(tag: &BytesStart, xml: &'a [u8], at: usize, appended: Option<&'a [u8]>) -> Source<'a> {
+fn source<'a>(
+    tag: &BytesStart,
+    xml: &'a [u8],
+    at: usize,
+    appended: Option<&'a [u8]>,
+) -> Source<'a> {
     let rest = &xml[at.min(xml.len())..];
     let text = &rest[..rest.iter().position(|&b| b == b'<').unwrap_or(rest.len())];
     match attribute(tag, "format").unwrap_or_default().as_str() {
         "appended" => {
             let offset = attribute(tag, "offset").and_then(|text| text.trim().parse().ok());
-            let data = offset.and_then(|offset: usize| appended.and_then(|data| data.get(offset..)));
+            let data =
+                offset.and_then(|offset: usize| appended.and_then(|data| data.get(offset..)));
             Source::Appended(data)
         }
         "binary" => Source::Inline(text),
@@ -144,30 +167,51 @@ fn file_tag(
         _ => {
             return Err(MeshError::unsupported(
                 raw.format,
-                format!("a VTK XML file of type {}", super::text::show(kind.as_bytes())),
+                format!(
+                    "a VTK XML file of type {}",
+                    super::text::show(kind.as_bytes())
+                ),
                 SURFACE,
             ));
         }
     };
     let text = |name: &str| attribute(tag, name).unwrap_or_default();
-    Decoder::new(&text("byte_order"), &text("header_type"), &text("compressor"), appended)
-        .map_err(|problem| problem.into_error(raw, place()))
+    Decoder::new(
+        &text("byte_order"),
+        &text("header_type"),
+        &text("compressor"),
+        appended,
+    )
+    .map_err(|problem| problem.into_error(raw, place()))
 }
 
 impl Piece {
     fn new(tag: &BytesStart) -> Piece {
-        let count =
-            |name: &str| attribute(tag, name).and_then(|text| text.trim().parse().ok()).unwrap_or(0usize);
-        let polygons = ["NumberOfVerts", "NumberOfLines", "NumberOfStrips", "NumberOfPolys"];
+        let count = |name: &str| {
+            attribute(tag, name)
+                .and_then(|text| text.trim().parse().ok())
+                .unwrap_or(0usize)
+        };
+        let polygons = [
+            "NumberOfVerts",
+            "NumberOfLines",
+            "NumberOfStrips",
+            "NumberOfPolys",
+        ];
         Piece {
             points: count("NumberOfPoints"),
-            cells: polygons.iter().fold(count("NumberOfCells"), |n, k| n.saturating_add(count(k))),
+            cells: polygons
+                .iter()
+                .fold(count("NumberOfCells"), |n, k| n.saturating_add(count(k))),
             arrays: Vec::new(),
         }
     }
 
     fn take(&mut self, section: &str, name: &str) -> Option<Vec<f64>> {
-        let array = self.arrays.iter_mut().find(|(s, n, _)| s == section && (n == name || name.is_empty()));
+        let array = self
+            .arrays
+            .iter_mut()
+            .find(|(s, n, _)| s == section && (n == name || name.is_empty()));
         array.map(|(_, _, values)| std::mem::take(values))
     }
 
@@ -186,17 +230,32 @@ impl Piece {
                 ),
             ));
         }
-        raw.positions.extend(points.chunks_exact(3).map(|p| [p[0], p[1], p[2]]));
+        raw.positions
+            .extend(points.chunks_exact(3).map(|p| [p[0], p[1], p[2]]));
         let mut faces = Cells::default();
         let mut cells = 0usize;
-        for (section, kind) in [("Verts", 2), ("Lines", 4), ("Strips", 6), ("Polys", 7), ("Cells", 0)] {
+        for (section, kind) in [
+            ("Verts", 2),
+            ("Lines", 4),
+            ("Strips", 6),
+            ("Polys", 7),
+            ("Cells", 0),
+        ] {
             let kinds = self.take(section, "types");
-            let lists = (self.take(section, "connectivity"), self.take(section, "offsets"));
+            let lists = (
+                self.take(section, "connectivity"),
+                self.take(section, "offsets"),
+            );
             let (Some(list), Some(offsets)) = lists else {
                 continue;
             };
             cells += offsets.len();
-            let part = Part { place, section, first, kind };
+            let part = Part {
+                place,
+                section,
+                first,
+                kind,
+            };
             part.add(raw, &mut faces, (&list, &offsets, kinds.as_deref()))?;
         }
         if cells != self.cells {
@@ -233,13 +292,26 @@ impl Part<'_> {
     ) -> Result<(), MeshError> {
         let mut start = 0;
         for (k, &end) in offsets.iter().enumerate() {
-            let at = || format!("{}, {}, cell {k} (counted from 0)", (self.place)(), self.section);
-            let cell = as_count(end).filter(|&end| start <= end).and_then(|end| list.get(start..end));
+            let at = || {
+                format!(
+                    "{}, {}, cell {k} (counted from 0)",
+                    (self.place)(),
+                    self.section
+                )
+            };
+            let cell = as_count(end)
+                .filter(|&end| start <= end)
+                .and_then(|end| list.get(start..end));
             let Some(cell) = cell else {
-                return Err(raw.bad(at(), "the offsets don't rise within the connectivity; export again"));
+                return Err(raw.bad(
+                    at(),
+                    "the offsets don't rise within the connectivity; export again",
+                ));
             };
             let kind = match self.section {
-                "Cells" => kinds.and_then(|kinds| kinds.get(k).copied()).and_then(as_count),
+                "Cells" => kinds
+                    .and_then(|kinds| kinds.get(k).copied())
+                    .and_then(as_count),
                 _ => Some(usize::from(self.kind)),
             };
             let Some(kind) = kind.and_then(|kind| u8::try_from(kind).ok()) else {

@@ -31,11 +31,19 @@ fn area(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
 
 impl Triangulator {
     pub fn new() -> Triangulator {
-        Triangulator { flat: Vec::new(), tests_left: MAX_TESTS }
+        Triangulator {
+            flat: Vec::new(),
+            tests_left: MAX_TESTS,
+        }
     }
 
     /// Appends the polygon's triangles; those with repeated corners are left out.
-    pub fn add(&mut self, positions: &[[f64; 3]], corners: &[u32], triangles: &mut Vec<[u32; 3]>) -> Outcome {
+    pub fn add(
+        &mut self,
+        positions: &[[f64; 3]],
+        corners: &[u32],
+        triangles: &mut Vec<[u32; 3]>,
+    ) -> Outcome {
         let mut push = |[a, b, c]: [usize; 3]| {
             let t = [corners[a], corners[b], corners[c]];
             if t[0] != t[1] && t[1] != t[2] && t[2] != t[0] {
@@ -90,7 +98,11 @@ impl Triangulator {
         }
         let n = normal.map(|c| c / length);
         let cross = |p: [f64; 3], q: [f64; 3]| {
-            [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]]
+            [
+                p[1] * q[2] - p[2] * q[1],
+                p[2] * q[0] - p[0] * q[2],
+                p[0] * q[1] - p[1] * q[0],
+            ]
         };
         // The axis that is least along the normal.
         let least = (0..3).fold(0, |k, i| if n[i].abs() < n[k].abs() { i } else { k });
@@ -102,7 +114,8 @@ impl Triangulator {
         let v = cross(n, u);
         let dot = |p: [f64; 3], q: [f64; 3]| p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
         self.flat.clear();
-        self.flat.extend((0..corners.len()).map(|k| [dot(local(k), u), dot(local(k), v)]));
+        self.flat
+            .extend((0..corners.len()).map(|k| [dot(local(k), u), dot(local(k), v)]));
         true
     }
 
@@ -142,7 +155,11 @@ impl Triangulator {
         let turn = |k: usize| {
             let angle = (direction(k + 1) - direction(k)).rem_euclid(full);
             // A tiny right turn.
-            if angle > full - 1e-6 { angle - full } else { angle }
+            if angle > full - 1e-6 {
+                angle - full
+            } else {
+                angle
+            }
         };
         ((0..count).map(turn).sum::<f64>() / full).round() as usize
     }
@@ -156,7 +173,11 @@ impl Triangulator {
             let count = left.len();
             let corner = |k: usize| {
                 let k = k % count;
-                [left[(k + count - 1) % count], left[k], left[(k + 1) % count]]
+                [
+                    left[(k + count - 1) % count],
+                    left[k],
+                    left[(k + 1) % count],
+                ]
             };
             // Starting after the last ear gives rounder triangles than a fan. Flat corners last.
             let mut found = None;
@@ -193,11 +214,16 @@ impl Triangulator {
         let inside = |p: [f64; 2]| {
             if flat {
                 // A flat ear is blocked by corners between its ends only.
-                return area(pa, pb, p) > 1e-14 && area(pb, pc, p) > 1e-14 && area(pc, pa, p) > 1e-14;
+                return area(pa, pb, p) > 1e-14
+                    && area(pb, pc, p) > 1e-14
+                    && area(pc, pa, p) > 1e-14;
             }
             area(pa, pb, p) >= 0.0 && area(pb, pc, p) >= 0.0 && area(pc, pa, p) >= 0.0
         };
-        !left.iter().map(|&k| self.flat[k]).any(|p| !same(p) && inside(p))
+        !left
+            .iter()
+            .map(|&k| self.flat[k])
+            .any(|p| !same(p) && inside(p))
     }
 }
 
@@ -207,14 +233,21 @@ mod tests {
 
     fn split(points: &[[f64; 2]]) -> (Outcome, Vec<[u32; 3]>, f64) {
         // Tilted, so that the projection matters.
-        let positions: Vec<_> = points.iter().map(|p| [p[0], p[1], 0.5 * p[0] + 3.0]).collect();
+        let positions: Vec<_> = points
+            .iter()
+            .map(|p| [p[0], p[1], 0.5 * p[0] + 3.0])
+            .collect();
         let corners: Vec<u32> = (0..points.len() as u32).collect();
         let mut triangles = Vec::new();
         let outcome = Triangulator::new().add(&positions, &corners, &mut triangles);
         let at = |k: u32| points[k as usize];
         let areas = triangles.iter().map(|t| area(at(t[0]), at(t[1]), at(t[2])));
         // A simple polygon's triangles are all positive; the sum of sizes is then the area.
-        (outcome, triangles.clone(), areas.map(f64::abs).sum::<f64>() / 2.0)
+        (
+            outcome,
+            triangles.clone(),
+            areas.map(f64::abs).sum::<f64>() / 2.0,
+        )
     }
 
     #[test]
@@ -231,7 +264,14 @@ mod tests {
             [0.5, 1.0],
             [0.0, 3.0],
         ];
-        let ell = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
+        let ell = [
+            [0.0, 0.0],
+            [2.0, 0.0],
+            [2.0, 1.0],
+            [1.0, 1.0],
+            [1.0, 2.0],
+            [0.0, 2.0],
+        ];
         for (points, exact) in [(&arrow[..], 1.0), (&ell[..], 3.0), (&comb[..], 10.0)] {
             for shift in 0..points.len() {
                 let mut turned = points.to_vec();
@@ -246,7 +286,14 @@ mod tests {
 
     #[test]
     fn collinear_corners_give_no_flat_triangles() {
-        let points = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [1.0, 1.0], [0.0, 2.0], [0.0, 1.0]];
+        let points = [
+            [0.0, 0.0],
+            [1.0, 0.0],
+            [2.0, 0.0],
+            [1.0, 1.0],
+            [0.0, 2.0],
+            [0.0, 1.0],
+        ];
         let (outcome, triangles, sum) = split(&points);
         assert_eq!((outcome, triangles.len()), (Outcome::Clean, 4));
         assert!((sum - 2.0).abs() < 1e-12);
@@ -280,8 +327,10 @@ mod tests {
 
     #[test]
     fn a_star_goes_round_twice_and_is_no_fan() {
-        let star: Vec<[f64; 2]> =
-            (0..5).map(|k| (f64::from(k) * 144.0).to_radians().sin_cos()).map(|(s, c)| [c, s]).collect();
+        let star: Vec<[f64; 2]> = (0..5)
+            .map(|k| (f64::from(k) * 144.0).to_radians().sin_cos())
+            .map(|(s, c)| [c, s])
+            .collect();
         assert_eq!(split(&star).1.len(), 3);
     }
 

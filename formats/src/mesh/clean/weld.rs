@@ -84,7 +84,12 @@ mod tests {
 
     #[test]
     fn near_vertices_join_across_cells() {
-        let positions = [[0.99, 0.0, 0.0], [1.01, 0.0, 0.0], [3.0, 0.0, 0.0], [3.0, 0.0, 0.0]];
+        let positions = [
+            [0.99, 0.0, 0.0],
+            [1.01, 0.0, 0.0],
+            [3.0, 0.0, 0.0],
+            [3.0, 0.0, 0.0],
+        ];
         assert_eq!(weld(&positions, 0.5), [0, 0, 2, 2]);
         assert_eq!(weld(&positions, 0.01), [0, 1, 2, 2]);
     }

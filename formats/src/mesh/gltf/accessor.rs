@@ -42,7 +42,13 @@ impl<'a> Buffers<'a> {
         folder: Option<&'a Path>,
     ) -> Buffers<'a> {
         let read = root.buffers.iter().map(|_| None).collect();
-        Buffers { root, format, chunk, folder, read }
+        Buffers {
+            root,
+            format,
+            chunk,
+            folder,
+            read,
+        }
     }
 
     fn bad(&self, place: &str, problem: impl Into<String>) -> MeshError {
@@ -50,7 +56,11 @@ impl<'a> Buffers<'a> {
     }
 
     /// An accessor of type VEC3.
-    pub fn positions(&mut self, accessor: usize, budget: &mut Budget) -> Result<Vec<[f64; 3]>, MeshError> {
+    pub fn positions(
+        &mut self,
+        accessor: usize,
+        budget: &mut Budget,
+    ) -> Result<Vec<[f64; 3]>, MeshError> {
         let values = self.values(accessor, "VEC3", budget)?;
         budget.take(values.len(), 8, "the scene")?;
         Ok(values.chunks_exact(3).map(|p| [p[0], p[1], p[2]]).collect())
@@ -61,11 +71,19 @@ impl<'a> Buffers<'a> {
         let values = self.values(accessor, "SCALAR", budget)?;
         let indices: Option<Vec<u32>> = values.into_iter().map(as_index).collect();
         indices.ok_or_else(|| {
-            self.bad(&format!("accessor {accessor}"), "an index is not a whole number; export again")
+            self.bad(
+                &format!("accessor {accessor}"),
+                "an index is not a whole number; export again",
+            )
         })
     }
 
-    fn values(&mut self, index: usize, shape: &str, budget: &mut Budget) -> Result<Vec<f64>, MeshError> {
+    fn values(
+        &mut self,
+        index: usize,
+        shape: &str,
+        budget: &mut Budget,
+    ) -> Result<Vec<f64>, MeshError> {
         let place = format!("accessor {index}");
         let root = self.root;
         let Some(accessor) = root.accessors.get(index) else {
@@ -74,7 +92,10 @@ impl<'a> Buffers<'a> {
         if accessor.shape != shape {
             return Err(self.bad(
                 &place,
-                format!("the type {shape} was expected, not {}", show(accessor.shape.as_bytes())),
+                format!(
+                    "the type {shape} was expected, not {}",
+                    show(accessor.shape.as_bytes())
+                ),
             ));
         }
         let width = if shape == "VEC3" { 3 } else { 1 };
@@ -94,7 +115,9 @@ impl<'a> Buffers<'a> {
         self.replace_sparse(accessor, kind, &mut values, (&place, budget))?;
         if accessor.normalized {
             let largest = largest(kind);
-            values.iter_mut().for_each(|value| *value = (*value / largest).max(-1.0));
+            values
+                .iter_mut()
+                .for_each(|value| *value = (*value / largest).max(-1.0));
         }
         Ok(values)
     }
@@ -152,15 +175,22 @@ impl<'a> Buffers<'a> {
             return Err(self.bad(&run.place, format!("there is no buffer view {}", run.view)));
         };
         let item = run.kind.size() * run.width;
-        let stride = view.byte_stride.filter(|&stride| stride > 0).unwrap_or(item);
+        let stride = view
+            .byte_stride
+            .filter(|&stride| stride > 0)
+            .unwrap_or(item);
         if run.count == 0 {
             return Ok(Vec::new());
         }
         if stride < item {
-            return Err(self.bad(&run.place, format!("the stride {stride} is less than {item} bytes")));
+            return Err(self.bad(
+                &run.place,
+                format!("the stride {stride} is less than {item} bytes"),
+            ));
         }
-        let end =
-            (run.count - 1).checked_mul(stride).and_then(|n| n.checked_add(item)?.checked_add(run.offset));
+        let end = (run.count - 1)
+            .checked_mul(stride)
+            .and_then(|n| n.checked_add(item)?.checked_add(run.offset));
         if end.is_none_or(|end| end > view.byte_length) {
             return Err(self.bad(
                 &run.place,
@@ -173,7 +203,9 @@ impl<'a> Buffers<'a> {
         self.load(view.buffer, &run.place)?;
         let buffer = self.buffer(view.buffer);
         let start = view.byte_offset.checked_add(run.offset);
-        let bytes = start.and_then(|start| buffer.get(start..)).unwrap_or_default();
+        let bytes = start
+            .and_then(|start| buffer.get(start..))
+            .unwrap_or_default();
         if (run.count - 1) * stride + item > bytes.len() {
             return Err(self.bad(
                 &run.place,
@@ -249,13 +281,18 @@ impl<'a> Buffers<'a> {
                 ),
             )
         })?;
-        let io = |error| MeshError::Io { what: format!("cannot read {place}, {}", name.display()), error };
+        let io = |error| MeshError::Io {
+            what: format!("cannot read {place}, {}", name.display()),
+            error,
+        };
         let file = File::open(folder.join(&name)).map_err(io)?;
         if !file.metadata().map_err(io)?.is_file() {
             return Err(io(std::io::Error::other("not a regular file")));
         }
         let mut bytes = Vec::new();
-        file.take(length as u64).read_to_end(&mut bytes).map_err(io)?;
+        file.take(length as u64)
+            .read_to_end(&mut bytes)
+            .map_err(io)?;
         Ok(bytes)
     }
 }
@@ -274,7 +311,10 @@ fn local_path(uri: &str) -> Option<PathBuf> {
     }
     let text = String::from_utf8(bytes).ok()?;
     let strange = text.contains(['\\', ':', '\0']) || text.starts_with('/');
-    let parts: Vec<&str> = text.split('/').filter(|part| !matches!(*part, "" | ".")).collect();
+    let parts: Vec<&str> = text
+        .split('/')
+        .filter(|part| !matches!(*part, "" | "."))
+        .collect();
     if strange || parts.is_empty() || parts.contains(&"..") {
         return None;
     }
@@ -298,7 +338,10 @@ mod tests {
 
     #[test]
     fn uris_stay_in_their_folder() {
-        assert_eq!(local_path("a%20b/./c.bin"), Some(PathBuf::from("a b/c.bin")));
+        assert_eq!(
+            local_path("a%20b/./c.bin"),
+            Some(PathBuf::from("a b/c.bin"))
+        );
         for uri in [
             "../a.bin",
             "a/../../b.bin",

@@ -98,7 +98,12 @@ impl Decoder {
         })
     }
 
-    pub fn decode(&self, source: &Source, kind: &str, budget: &mut Budget) -> Result<Vec<f64>, Problem> {
+    pub fn decode(
+        &self,
+        source: &Source,
+        kind: &str,
+        budget: &mut Budget,
+    ) -> Result<Vec<f64>, Problem> {
         let kind = scalar(kind)?;
         let bytes = match source {
             Source::Ascii(text) => return ascii(text),
@@ -111,10 +116,17 @@ impl Decoder {
         };
         let count = bytes.len() / kind.size();
         budget.take(count, 8, "the file").map_err(Problem::Other)?;
-        Ok(bytes.chunks_exact(kind.size()).map(|item| kind.read(item, self.endian)).collect())
+        Ok(bytes
+            .chunks_exact(kind.size())
+            .map(|item| kind.read(item, self.endian))
+            .collect())
     }
 
-    fn unpack<'a>(&self, stream: &mut Stream<'a>, budget: &mut Budget) -> Result<Cow<'a, [u8]>, Problem> {
+    fn unpack<'a>(
+        &self,
+        stream: &mut Stream<'a>,
+        budget: &mut Budget,
+    ) -> Result<Cow<'a, [u8]>, Problem> {
         let word = self.header.size();
         if !self.compressed {
             let size = self.sizes(stream, 1)?[0];
@@ -130,11 +142,17 @@ impl Decoder {
         stream.next_text();
         let mut out = Vec::new();
         for (k, &size) in packed.iter().enumerate() {
-            let full = if k + 1 == blocks && last > 0 { last } else { block };
+            let full = if k + 1 == blocks && last > 0 {
+                last
+            } else {
+                block
+            };
             let bytes = stream.take(size)?;
             budget.take(full, 1, "the file").map_err(Problem::Other)?;
             let before = out.len();
-            let inflated = ZlibDecoder::new(&*bytes).take(full as u64).read_to_end(&mut out);
+            let inflated = ZlibDecoder::new(&*bytes)
+                .take(full as u64)
+                .read_to_end(&mut out);
             if inflated.is_err() || out.len() - before != full {
                 return Err(bad("a compressed block is damaged: export the file again"));
             }
@@ -145,13 +163,18 @@ impl Decoder {
     fn sizes(&self, stream: &mut Stream, count: usize) -> Result<Vec<usize>, Problem> {
         let size = self.header.size();
         let bytes = stream.take(count.checked_mul(size).ok_or_else(cut)?)?;
-        Ok(bytes.chunks_exact(size).map(|item| self.header.read(item, self.endian) as usize).collect())
+        Ok(bytes
+            .chunks_exact(size)
+            .map(|item| self.header.read(item, self.endian) as usize)
+            .collect())
     }
 }
 
 /// Raw appended data start with a small number in 4 or 8 bytes, so there is a 0 among the first 8.
 fn is_base64(data: &[u8]) -> bool {
-    data.iter().take(8).all(|b| b.is_ascii_alphanumeric() || matches!(b, b'+' | b'/' | b'='))
+    data.iter()
+        .take(8)
+        .all(|b| b.is_ascii_alphanumeric() || matches!(b, b'+' | b'/' | b'='))
 }
 
 /// Bytes that are read from the front, raw or from base64.
@@ -164,11 +187,19 @@ struct Stream<'a> {
 
 impl<'a> Stream<'a> {
     fn raw(bytes: &'a [u8]) -> Stream<'a> {
-        Stream { bytes, base64: false, pending: Vec::new() }
+        Stream {
+            bytes,
+            base64: false,
+            pending: Vec::new(),
+        }
     }
 
     fn base64(bytes: &'a [u8]) -> Stream<'a> {
-        Stream { bytes: bytes.trim_ascii_start(), base64: true, pending: Vec::new() }
+        Stream {
+            bytes: bytes.trim_ascii_start(),
+            base64: true,
+            pending: Vec::new(),
+        }
     }
 
     fn left(&self) -> usize {
