@@ -1,3 +1,6 @@
 //! The tests of volmap that go through more than one crate, in one binary.
 
 mod analytic;
+
+#[cfg(feature = "interop")]
+mod interop_meshes;

@@ -1,4 +1,44 @@
 //! Triangle meshes: one type, whatever the file format.
+//!
+//! ```text
+//! bytes -> RawMesh (polygons as the file has them) -> clean -> TriangleMesh -> Placement
+//! ```
+//!
+//! Guarantees: what is returned as `Ok` has finite coordinates of at most [`MAX_COORDINATE`] and
+//! indices in range; bad input ends in a [`MeshError`], never in a panic, and allocates at most a
+//! fixed multiple of the file's real size (see [`budget`]).
+//!
+//! Not guaranteed: that the mesh is closed, consistently oriented or free of self-intersections.
+//! Skins and morph targets of glTF are not applied.
+
+use std::fs;
+use std::path::Path;
+
+mod binary;
+pub mod budget;
+mod clean;
+mod error;
+mod gltf;
+mod guard;
+mod obj;
+mod off;
+mod ply;
+mod raw;
+mod sniff;
+mod stl;
+mod text;
+mod threemf;
+mod transform;
+mod vtk;
+mod vtk_cells;
+mod vtk_xml;
+mod xml;
+
+pub use clean::{CleanReport, CleanSettings, clean};
+pub use error::MeshError;
+pub use raw::{Faces, MAX_COORDINATE, RawMesh, Skipped};
+pub use sniff::MeshFormat;
+pub use transform::{Affine, Placement, Rotation, UpAxis};
 
 /// A triangle mesh, indexed.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -7,4 +47,61 @@ pub struct TriangleMesh {
     pub vertices: Vec<[f64; 3]>,
     /// Indices into `vertices`; counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
+}
+
+/// Reads a mesh file and cleans it: [`read_mesh`], then [`clean`].
+///
+/// # Errors
+/// A [`MeshError`] that names the file.
+pub fn load(path: &Path, settings: &CleanSettings) -> Result<(TriangleMesh, CleanReport), MeshError> {
+    clean(read_mesh(path)?, settings).map_err(|error| error.in_file(path))
+}
+
+/// Reads a mesh file as it is: polygons, duplicates and all.
+///
+/// The format is the one that the content shows, or else the one that the extension names.
+///
+/// # Errors
+/// A [`MeshError`] that names the file.
+pub fn read_mesh(path: &Path) -> Result<RawMesh, MeshError> {
+    read_file(path).map_err(|error| error.in_file(path))
+}
+
+fn read_file(path: &Path) -> Result<RawMesh, MeshError> {
+    let io = |error| MeshError::Io { what: "cannot read the file".into(), error };
+    // A FIFO or a device has no size, so nothing would bound what is read.
+    if !fs::metadata(path).map_err(io)?.is_file() {
+        return Err(MeshError::Io {
+            what: "cannot read a mesh here".into(),
+            error: std::io::Error::other("not a regular file"),
+        });
+    }
+    let bytes = fs::read(path).map_err(io)?;
+    let format = MeshFormat::detect(path, &bytes)?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    read(&bytes, format, Some(folder))
+}
+
+/// Reads a mesh from memory. A glTF file's buffers must be inside it (GLB, or `data:` URIs).
+///
+/// # Errors
+/// A [`MeshError`] that names the place inside the file.
+pub fn read_mesh_bytes(bytes: &[u8], format: MeshFormat) -> Result<RawMesh, MeshError> {
+    read(bytes, format, None)
+}
+
+fn read(bytes: &[u8], format: MeshFormat, folder: Option<&Path>) -> Result<RawMesh, MeshError> {
+    let raw = guard::contain(format, || match format {
+        MeshFormat::Obj => obj::read(bytes),
+        MeshFormat::Stl => stl::read(bytes),
+        MeshFormat::Ply => ply::read(bytes),
+        MeshFormat::Off => off::read(bytes),
+        MeshFormat::Gltf | MeshFormat::Glb => gltf::read(bytes, format, folder),
+        MeshFormat::ThreeMf => threemf::read(bytes),
+        MeshFormat::Vtk => vtk::read(bytes),
+        MeshFormat::Vtu | MeshFormat::Vtp => vtk_xml::read(bytes, format),
+    })?;
+    raw.check()?;
+    raw.check_not_empty()?;
+    Ok(raw)
 }

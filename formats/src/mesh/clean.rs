@@ -1,0 +1,159 @@
+//! From polygons as a file has them to a tidy triangle mesh.
+//!
+//! weld vertices -> triangulate polygons -> drop collapsed and duplicate triangles -> drop
+//! vertices that nothing refers to. Order is kept, so the result is a function of the input alone.
+
+mod triangulate;
+mod weld;
+
+use self::triangulate::{Outcome, Triangulator};
+use super::{MeshError, RawMesh, TriangleMesh};
+
+/// How to clean.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CleanSettings {
+    /// Vertices within this distance become one, in the file's unit. 0: only equal positions.
+    pub weld_tolerance: f64,
+}
+
+/// What cleaning found and did.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CleanReport {
+    /// Objects that were joined (0: the format doesn't say).
+    pub objects: usize,
+    /// The file's unit in metres, where the format defines it.
+    pub unit: Option<f64>,
+    /// Faces of the file that are triangles.
+    pub triangles: usize,
+    /// Faces of the file with four corners.
+    pub quads: usize,
+    /// Faces of the file with five or more corners.
+    pub polygons: usize,
+    /// Polygons whose ear clipping failed (they intersect themselves): split as fans.
+    pub fan_fallbacks: usize,
+    /// Vertices that were merged into others.
+    pub welded: usize,
+    /// Dropped: faces whose corners were not three different vertices after welding.
+    pub degenerate: usize,
+    /// Kept: triangles with three different vertices, but no area to rounding. Dropping them would
+    /// open a closed mesh; they add nothing to areas, volumes and distances.
+    pub zero_area: usize,
+    /// Dropped: triangles with the same vertices and the same orientation as an earlier one.
+    pub duplicates: usize,
+    /// Dropped: vertices that no triangle refers to.
+    pub unreferenced: usize,
+    /// Elements of the file that hold no surface.
+    pub skipped: super::Skipped,
+}
+
+/// Welds, triangulates and drops what is degenerate or double. See [`CleanReport`].
+///
+/// # Errors
+/// [`MeshError`] if positions or indices of `raw` are invalid, a setting is out of range, or no
+/// triangle is left.
+pub fn clean(raw: RawMesh, settings: &CleanSettings) -> Result<(TriangleMesh, CleanReport), MeshError> {
+    let tolerance = settings.weld_tolerance;
+    if !(tolerance.is_finite() && tolerance >= 0.0) {
+        return Err(MeshError::Setting(format!("the weld tolerance must be 0 or positive, not {tolerance}")));
+    }
+    raw.check()?;
+    raw.check_not_empty()?;
+    let mut report =
+        CleanReport { objects: raw.objects, unit: raw.unit, skipped: raw.skipped, ..CleanReport::default() };
+    let target = weld::weld(&raw.positions, tolerance);
+    report.welded = target.iter().enumerate().filter(|&(k, &to)| to as usize != k).count();
+    let triangles = triangulate_all(&raw, &target, &mut report);
+    let triangles = drop_duplicates(triangles, &mut report);
+    if triangles.is_empty() {
+        return Err(MeshError::AllDegenerate { faces: raw.faces.len(), weld_tolerance: tolerance });
+    }
+    let mesh = compact(&raw.positions, triangles);
+    report.unreferenced = raw.positions.len() - report.welded - mesh.vertices.len();
+    let area_free = |t: &&[u32; 3]| has_no_area(t.map(|v| mesh.vertices[v as usize]));
+    report.zero_area = mesh.triangles.iter().filter(area_free).count();
+    Ok((mesh, report))
+}
+
+fn triangulate_all(raw: &RawMesh, target: &[u32], report: &mut CleanReport) -> Vec<[u32; 3]> {
+    let mut triangles = Vec::with_capacity(raw.faces.len());
+    let mut triangulator = Triangulator::new();
+    let mut corners: Vec<u32> = Vec::new();
+    for face in raw.faces.iter() {
+        match face.len() {
+            3 => report.triangles += 1,
+            4 => report.quads += 1,
+            _ => report.polygons += 1,
+        }
+        corners.clear();
+        corners.extend(face.iter().map(|&corner| target[corner as usize]));
+        corners.dedup();
+        while corners.len() > 1 && corners.first() == corners.last() {
+            corners.pop();
+        }
+        let before = triangles.len();
+        let outcome = triangulator.add(&raw.positions, &corners, &mut triangles);
+        report.fan_fallbacks += usize::from(outcome == Outcome::Fan);
+        report.degenerate += usize::from(triangles.len() == before);
+    }
+    triangles
+}
+
+/// Keeps the first of equal triangles. Equal: the same corners in the same cyclic order.
+fn drop_duplicates(triangles: Vec<[u32; 3]>, report: &mut CleanReport) -> Vec<[u32; 3]> {
+    let mut order: Vec<([u32; 3], usize)> =
+        triangles.iter().enumerate().map(|(k, &t)| (smallest_first(t), k)).collect();
+    order.sort_unstable();
+    let mut keep = vec![true; triangles.len()];
+    for pair in order.windows(2) {
+        if pair[0].0 == pair[1].0 {
+            keep[pair[1].1] = false;
+            report.duplicates += 1;
+        }
+    }
+    let kept = triangles.into_iter().zip(keep).filter(|&(_, keep)| keep);
+    kept.map(|(triangle, _)| triangle).collect()
+}
+
+fn smallest_first([a, b, c]: [u32; 3]) -> [u32; 3] {
+    if a < b && a < c {
+        [a, b, c]
+    } else if b < c {
+        [b, c, a]
+    } else {
+        [c, a, b]
+    }
+}
+
+/// Only the vertices that are used, in their order.
+fn compact(positions: &[[f64; 3]], mut triangles: Vec<[u32; 3]>) -> TriangleMesh {
+    let mut new = vec![u32::MAX; positions.len()];
+    for &corner in triangles.iter().flatten() {
+        new[corner as usize] = 0;
+    }
+    let mut vertices = Vec::new();
+    for (position, new) in positions.iter().zip(&mut new) {
+        if *new == 0 {
+            *new = vertices.len() as u32;
+            vertices.push(position.map(|c| c + 0.0));
+        }
+    }
+    for corner in triangles.iter_mut().flatten() {
+        *corner = new[*corner as usize];
+    }
+    TriangleMesh { vertices, triangles }
+}
+
+/// Whether the height over the longest edge is below rounding of the coordinates.
+fn has_no_area([a, b, c]: [[f64; 3]; 3]) -> bool {
+    let size = [a, b, c].iter().flatten().fold(0.0f64, |max, c| max.max(c.abs()));
+    if size == 0.0 {
+        return true;
+    }
+    // Scaled, so that tiny and huge meshes neither underflow nor overflow.
+    let minus = |p: [f64; 3], q: [f64; 3]| [0, 1, 2].map(|i| (p[i] - q[i]) / size);
+    let (u, v, w) = (minus(b, a), minus(c, a), minus(c, b));
+    let dot = |p: [f64; 3], q: [f64; 3]| p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
+    let cross = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+    let longest = dot(u, u).max(dot(v, v)).max(dot(w, w)).sqrt();
+    dot(cross, cross).sqrt() <= 4.0 * f64::EPSILON * longest
+}

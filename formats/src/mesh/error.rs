@@ -1,0 +1,130 @@
+//! What can go wrong with a mesh file, with the place and the cure.
+
+use std::path::{Path, PathBuf};
+
+use super::{MeshFormat, Skipped};
+
+/// Why a mesh could not be read, cleaned or placed.
+#[derive(Debug, thiserror::Error)]
+pub enum MeshError {
+    /// Any of the others, with the file's name.
+    #[error("{}: {error}", path.display())]
+    InFile {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        error: Box<MeshError>,
+    },
+    /// The operating system refused.
+    #[error("{what}: {error}")]
+    Io {
+        /// What was tried.
+        what: String,
+        /// The system's answer.
+        error: std::io::Error,
+    },
+    /// Neither the content nor the extension is one of ours.
+    #[error("{problem}")]
+    UnknownFormat {
+        /// What the file seems to be.
+        problem: String,
+    },
+    /// The content breaks its format's rules.
+    #[error("{format}, {place}: {problem}")]
+    Malformed {
+        /// The format that it was read as.
+        format: MeshFormat,
+        /// Line, byte offset, or number of the face, vertex or accessor.
+        place: String,
+        /// What is wrong, and the cure.
+        problem: String,
+    },
+    /// A valid file that uses what volmap doesn't read.
+    #[error("{format}: {feature} is not supported; {cure}")]
+    Unsupported {
+        /// The format that it was read as.
+        format: MeshFormat,
+        /// What is used.
+        feature: String,
+        /// What to do instead.
+        cure: &'static str,
+    },
+    /// Points only.
+    #[error(
+        "a point cloud: {points} points and no faces; reconstruct a surface first \
+         (in MeshLab: Filters > Remeshing > Screened Poisson)"
+    )]
+    PointCloud {
+        /// How many points.
+        points: usize,
+    },
+    /// Nothing that bounds a solid.
+    #[error("the mesh has no faces ({skipped}); export its surface as triangles or polygons")]
+    NoFaces {
+        /// What it has instead.
+        skipped: Skipped,
+    },
+    /// All faces collapsed.
+    #[error(
+        "all {faces} faces collapse to points or lines when vertices within {weld_tolerance} are \
+         welded; lower the weld tolerance, or check the model's scale"
+    )]
+    AllDegenerate {
+        /// Faces before cleaning.
+        faces: usize,
+        /// The tolerance that was used, in the file's unit.
+        weld_tolerance: f64,
+    },
+    /// It would take more memory than its size justifies.
+    #[error("{problem}")]
+    TooLarge {
+        /// What is too large, and the cure.
+        problem: String,
+    },
+    /// A setting is out of its range.
+    #[error("{0}")]
+    Setting(String),
+    /// A bug of ours or of a library, contained.
+    #[error("{format}: the reader failed on this file ({message}); please report it, with the file")]
+    Panicked {
+        /// The format that it was read as.
+        format: MeshFormat,
+        /// The panic's message.
+        message: String,
+    },
+}
+
+impl MeshError {
+    pub(super) fn in_file(self, path: &Path) -> MeshError {
+        match self {
+            MeshError::InFile { .. } => self,
+            error => MeshError::InFile { path: path.to_path_buf(), error: Box::new(error) },
+        }
+    }
+
+    pub(super) fn malformed(
+        format: MeshFormat,
+        place: impl Into<String>,
+        problem: impl Into<String>,
+    ) -> MeshError {
+        MeshError::Malformed { format, place: printable(place.into()), problem: printable(problem.into()) }
+    }
+
+    pub(super) fn unsupported(
+        format: MeshFormat,
+        feature: impl Into<String>,
+        cure: &'static str,
+    ) -> MeshError {
+        MeshError::Unsupported { format, feature: printable(feature.into()), cure }
+    }
+}
+
+/// Names inside a file and the messages of libraries may quote anything.
+fn printable(text: String) -> String {
+    const LONGEST: usize = 400;
+    if text.len() <= LONGEST && !text.chars().any(char::is_control) {
+        return text;
+    }
+    let clean = |c: char| if c.is_control() { '?' } else { c };
+    text.chars().take(LONGEST).map(clean).collect()
+}

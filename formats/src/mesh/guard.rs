@@ -1,0 +1,55 @@
+//! The one place that contains panics: readers parse untrusted bytes with the help of libraries.
+//!
+//! The message of a contained panic goes into the error, not to stderr. The hook that does this is
+//! installed once, passes every panic of other threads and other code on to the hook it found, and
+//! is therefore invisible to them.
+
+use std::any::Any;
+use std::cell::Cell;
+use std::panic::{AssertUnwindSafe, catch_unwind, set_hook, take_hook};
+use std::sync::Once;
+
+use super::{MeshError, MeshFormat};
+
+thread_local! {
+    static QUIET: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Runs `reader`; a panic in it becomes [`MeshError::Panicked`].
+pub fn contain<T>(format: MeshFormat, reader: impl FnOnce() -> Result<T, MeshError>) -> Result<T, MeshError> {
+    static INSTALL: Once = Once::new();
+    INSTALL.call_once(|| {
+        let previous = take_hook();
+        set_hook(Box::new(move |info| {
+            if !QUIET.get() {
+                previous(info);
+            }
+        }));
+    });
+    let outer = QUIET.replace(true);
+    // Sound: after a panic nothing of the reader's state is used.
+    let result = catch_unwind(AssertUnwindSafe(reader));
+    QUIET.set(outer);
+    result.unwrap_or_else(|panic| Err(MeshError::Panicked { format, message: message(&*panic) }))
+}
+
+fn message(panic: &(dyn Any + Send)) -> String {
+    let text = panic
+        .downcast_ref::<&str>()
+        .map(|text| text.to_string())
+        .or_else(|| panic.downcast_ref::<String>().cloned());
+    text.unwrap_or_else(|| "no message".into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_becomes_an_error_and_the_next_read_works() {
+        let error = contain::<()>(MeshFormat::Off, || panic!("boom {}", 7)).unwrap_err();
+        assert!(error.to_string().contains("boom 7"), "{error}");
+        assert_eq!(contain(MeshFormat::Off, || Ok(3)).unwrap(), 3);
+        assert!(!QUIET.get());
+    }
+}

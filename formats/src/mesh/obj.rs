@@ -1,0 +1,127 @@
+//! Wavefront OBJ: "Object Files (.obj)", appendix B1 of the Advanced Visualizer manual.
+//!
+//! Own reader: `tobj` gives no line numbers, refuses names that aren't UTF-8 and doesn't join
+//! continued lines.
+
+use std::borrow::Cow;
+
+use super::text::{Words, not_a_number, number, parse, show, words};
+use super::{MeshError, MeshFormat, RawMesh};
+
+/// Reads an OBJ. Materials, normals and texture coordinates are ignored; index ranges are checked.
+pub fn read(bytes: &[u8]) -> Result<RawMesh, MeshError> {
+    let mut lines = Words::new(bytes, MeshFormat::Obj);
+    let mut raw = RawMesh::new(MeshFormat::Obj);
+    let mut corners = Vec::new();
+    // The highest vertex that a face asked for, and where: vertices may follow their faces.
+    let mut highest = (0, lines.clone());
+    loop {
+        let here = lines.clone();
+        let Some(line) = logical_line(&mut lines) else {
+            break;
+        };
+        let mut words = words(&line);
+        match words.next() {
+            Some(b"v") => raw.positions.push(position(&here, words)?),
+            Some(b"f" | b"fo") => {
+                face(&here, words, raw.positions.len(), &mut corners)?;
+                if let Some(&max) = corners.iter().max()
+                    && max > highest.0
+                {
+                    highest = (max, here);
+                }
+                raw.add_face(&corners);
+            }
+            Some(b"o") => raw.objects += 1,
+            Some(b"p") => raw.skipped.points += 1,
+            Some(b"l") => raw.skipped.lines += 1,
+            Some(word) => raw.skipped.other += usize::from(!is_silent(word)),
+            None => {}
+        }
+    }
+    let count = raw.positions.len();
+    if highest.0 as usize >= count && !raw.faces.is_empty() {
+        return Err(highest.1.bad(format!(
+            "the face refers to vertex {} (counted from 1), but the file has only {count}; it is \
+             damaged or was cut: export it again",
+            u64::from(highest.0) + 1
+        )));
+    }
+    raw.objects = raw.objects.max(1);
+    Ok(raw)
+}
+
+/// A line without its comment, joined with those that a backslash continues it with.
+fn logical_line<'a>(lines: &mut Words<'a>) -> Option<Cow<'a, [u8]>> {
+    let line = lines.next_line()?;
+    let Some(start) = line.trim_ascii_end().strip_suffix(b"\\") else {
+        return Some(Cow::Borrowed(without_comment(line)));
+    };
+    let mut joined = start.to_vec();
+    while let Some(line) = lines.next_line() {
+        joined.push(b' ');
+        match line.trim_ascii_end().strip_suffix(b"\\") {
+            Some(part) => joined.extend_from_slice(part),
+            None => {
+                joined.extend_from_slice(line);
+                break;
+            }
+        }
+    }
+    Some(Cow::Owned(without_comment(&joined).to_vec()))
+}
+
+fn without_comment(line: &[u8]) -> &[u8] {
+    let end = line.iter().position(|&b| b == b'#').unwrap_or(line.len());
+    &line[..end]
+}
+
+/// The first three numbers; a weight or a colour may follow.
+fn position<'a>(here: &Words, mut words: impl Iterator<Item = &'a [u8]>) -> Result<[f64; 3], MeshError> {
+    let mut p = [0.0; 3];
+    for c in &mut p {
+        let word = words.next().ok_or_else(|| {
+            here.bad("a vertex needs three coordinates; the line was cut: export the file again")
+        })?;
+        *c = number(word).ok_or_else(|| here.bad(not_a_number(word, "vertex coordinate")))?;
+    }
+    Ok(p)
+}
+
+/// Corners `v`, `v/vt`, `v//vn` or `v/vt/vn`; v counts from 1, or backwards from -1.
+fn face<'a>(
+    here: &Words,
+    words: impl Iterator<Item = &'a [u8]>,
+    count: usize,
+    corners: &mut Vec<u32>,
+) -> Result<(), MeshError> {
+    corners.clear();
+    for word in words {
+        let vertex = word.split(|&b| b == b'/').next().unwrap_or(word);
+        let index = match parse::<i64>(vertex) {
+            Some(index) if index > 0 => index - 1,
+            Some(index) if index < 0 => count as i64 + index,
+            _ => {
+                return Err(here.bad(format!(
+                    "`{}` is not a corner of a face: a vertex number from 1 up, or from -1 down, \
+                     was expected",
+                    show(word)
+                )));
+            }
+        };
+        let index = u32::try_from(index).ok().filter(|&index| index < u32::MAX);
+        corners.push(index.ok_or_else(|| {
+            here.bad(format!(
+                "the face refers to vertex `{}`, but only {count} came before it; the file is \
+                 damaged or was cut: export it again",
+                show(word)
+            ))
+        })?);
+    }
+    Ok(())
+}
+
+/// Statements that describe no element of their own.
+fn is_silent(word: &[u8]) -> bool {
+    !matches!(word, b"curv" | b"curv2" | b"surf" | b"bzp" | b"bsp" | b"cdp" | b"cdc")
+}

@@ -1,0 +1,165 @@
+//! OFF: Geomview manual, section 4.2.5; `[ST][C][N][4]OFF` and `nOFF` of dimension 3, ASCII.
+//!
+//! Own reader: `off-rs` rounds to f32 and knows neither normals nor homogeneous coordinates.
+
+use super::text::{Words, ends_early, not_a_number, number, parse, show, words};
+use super::{MAX_COORDINATE, MeshError, MeshFormat, RawMesh};
+
+/// What comes before a vertex' normal, colour and texture coordinates.
+#[derive(Clone, Copy, PartialEq)]
+enum Layout {
+    Xyz,
+    /// Homogeneous: x/w, y/w, z/w.
+    Xyzw,
+}
+
+/// Whether it opens an OFF file.
+pub fn is_keyword(word: &[u8]) -> bool {
+    let rest = word.strip_prefix(b"ST").unwrap_or(word);
+    let rest = rest.strip_prefix(b"C").unwrap_or(rest);
+    let rest = rest.strip_prefix(b"N").unwrap_or(rest);
+    let rest = rest.strip_prefix(b"4").unwrap_or(rest);
+    let rest = rest.strip_prefix(b"n").unwrap_or(rest);
+    rest == b"OFF"
+}
+
+/// Reads an OFF.
+pub fn read(bytes: &[u8]) -> Result<RawMesh, MeshError> {
+    let mut lines = Lines(Words::new(bytes, MeshFormat::Off));
+    let mut raw = RawMesh::new(MeshFormat::Off);
+    let (layout, vertices, faces) = header(&mut lines)?;
+    lines.0.room_for(vertices, 6, "vertices")?;
+    raw.positions.reserve_exact(vertices);
+    for _ in 0..vertices {
+        raw.positions.push(position(&mut lines, layout)?);
+    }
+    lines.0.room_for(faces, 2, "faces")?;
+    let mut corners = Vec::new();
+    for _ in 0..faces {
+        face(&mut lines, vertices, &mut corners)?;
+        raw.add_face(&corners);
+    }
+    raw.objects = 1;
+    Ok(raw)
+}
+
+/// Lines with something in them besides a comment.
+struct Lines<'a>(Words<'a>);
+
+impl<'a> Lines<'a> {
+    fn next(&mut self, what: &str) -> Result<(&'a [u8], Words<'a>), MeshError> {
+        loop {
+            let here = self.0.clone();
+            let Some(line) = self.0.next_line() else {
+                return Err(self.0.bad(ends_early(what)));
+            };
+            let end = line.iter().position(|&b| b == b'#').unwrap_or(line.len());
+            let line = line[..end].trim_ascii();
+            if !line.is_empty() {
+                return Ok((line, here));
+            }
+        }
+    }
+}
+
+/// The keyword (optional) and the numbers of vertices, faces and edges (optional, never used).
+fn header(lines: &mut Lines) -> Result<(Layout, usize, usize), MeshError> {
+    let (mut line, mut here) = lines.next("the header")?;
+    let mut layout = Layout::Xyz;
+    let word = words(line).next().unwrap_or(line);
+    if is_keyword(word) {
+        if word.contains(&b'4') {
+            layout = Layout::Xyzw;
+        }
+        let general = word.ends_with(b"nOFF");
+        line = line[word.len()..].trim_ascii();
+        if line.starts_with(b"BINARY") {
+            return Err(MeshError::unsupported(
+                MeshFormat::Off,
+                "binary OFF",
+                "save the mesh as ASCII OFF or binary PLY",
+            ));
+        }
+        if line.is_empty() {
+            (line, here) = lines.next("the number of vertices")?;
+        }
+        if general {
+            line = dimension(lines, line, &mut here)?;
+        }
+    }
+    let mut counts = words(line).map(parse::<usize>);
+    match (counts.next().flatten(), counts.next().flatten()) {
+        (Some(vertices), Some(faces)) => Ok((layout, vertices, faces)),
+        _ => Err(here.bad(format!("the numbers of vertices and faces were expected, not `{}`", show(line)))),
+    }
+}
+
+/// `nOFF` says its dimension first. Returns what follows on the line, or else the next line.
+fn dimension<'a>(lines: &mut Lines<'a>, line: &'a [u8], here: &mut Words<'a>) -> Result<&'a [u8], MeshError> {
+    let word = words(line).next().unwrap_or(line);
+    if word != b"3" {
+        return Err(here.bad(format!("dimension 3 was expected, not `{}`", show(word))));
+    }
+    let rest = line[word.len()..].trim_ascii();
+    if !rest.is_empty() {
+        return Ok(rest);
+    }
+    let (line, next) = lines.next("the number of vertices")?;
+    *here = next;
+    Ok(line)
+}
+
+/// The first numbers of a line; a normal, a colour and texture coordinates may follow.
+fn position(lines: &mut Lines, layout: Layout) -> Result<[f64; 3], MeshError> {
+    let (line, here) = lines.next("a vertex")?;
+    let mut words = words(line);
+    let mut next = || {
+        let word = words.next().ok_or_else(|| {
+            here.bad("a vertex needs three coordinates; the line was cut: export the file again")
+        })?;
+        number(word).ok_or_else(|| here.bad(not_a_number(word, "vertex coordinate")))
+    };
+    let p = [next()?, next()?, next()?];
+    if layout == Layout::Xyz {
+        return Ok(p);
+    }
+    let w = next()?;
+    let p = p.map(|c| c / w);
+    if p.iter().all(|c| c.abs() <= MAX_COORDINATE) {
+        return Ok(p);
+    }
+    Err(here.bad("the homogeneous coordinate w puts this vertex at infinity; repair the line"))
+}
+
+/// The number of corners and the corners; a colour may follow. A long list may go on in more lines.
+fn face(lines: &mut Lines, vertices: usize, corners: &mut Vec<u32>) -> Result<(), MeshError> {
+    let (line, mut here) = lines.next("a face")?;
+    let mut rest = line;
+    let first = split_word(&mut rest).unwrap_or(line);
+    let count = parse::<usize>(first)
+        .ok_or_else(|| here.bad(format!("the number of corners was expected, not `{}`", show(first))))?;
+    here.room_for(count, 2, "corners of a face")?;
+    corners.clear();
+    while corners.len() < count {
+        let Some(word) = split_word(&mut rest) else {
+            (rest, here) = lines.next("the next corner of a face")?;
+            continue;
+        };
+        let index = parse::<u32>(word).filter(|&index| (index as usize) < vertices);
+        corners.push(index.ok_or_else(|| {
+            here.bad(format!(
+                "`{}` is not a vertex number from 0 to {}; the file is damaged: export it again",
+                show(word),
+                vertices as i64 - 1
+            ))
+        })?);
+    }
+    Ok(())
+}
+
+fn split_word<'a>(rest: &mut &'a [u8]) -> Option<&'a [u8]> {
+    let word = words(rest).next()?;
+    let line = rest.trim_ascii_start();
+    *rest = &line[word.len()..];
+    Some(word)
+}

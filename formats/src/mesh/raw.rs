@@ -1,0 +1,172 @@
+//! A mesh as its file has it.
+
+use std::fmt;
+
+use super::{MeshError, MeshFormat};
+
+/// Larger coordinates are refused: their squares and cubes must not overflow.
+pub const MAX_COORDINATE: f64 = 1e100;
+
+/// A mesh as its file has it: polygons, duplicates, several objects in one list.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RawMesh {
+    /// Positions in the file's unit, with the transforms of the file's scene applied.
+    pub positions: Vec<[f64; 3]>,
+    /// Polygons with at least three corners each.
+    pub faces: Faces,
+    /// How many objects, pieces or instances were joined (0: the format doesn't say).
+    pub objects: usize,
+    /// The file's unit in metres, where the format defines it.
+    pub unit: Option<f64>,
+    /// The format that it was read as.
+    pub format: MeshFormat,
+    /// What the file has besides faces.
+    pub skipped: Skipped,
+}
+
+/// Polygons as one list of corners. Corners are indices into the positions.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Faces {
+    corners: Vec<u32>,
+    ends: Vec<usize>,
+}
+
+/// Elements that hold no surface, counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Skipped {
+    /// Point elements; or faces with one corner.
+    pub points: usize,
+    /// Line elements; or faces with two corners.
+    pub lines: usize,
+    /// Curves, patches, incomplete primitives and the like.
+    pub other: usize,
+}
+
+impl Faces {
+    /// Appends a polygon.
+    pub fn push(&mut self, corners: &[u32]) {
+        self.corners.extend_from_slice(corners);
+        self.ends.push(self.corners.len());
+    }
+
+    /// How many polygons.
+    pub fn len(&self) -> usize {
+        self.ends.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.ends.is_empty()
+    }
+
+    /// The corners of each polygon.
+    pub fn iter(&self) -> impl Iterator<Item = &[u32]> {
+        (0..self.ends.len()).map(|face| {
+            let start = if face == 0 { 0 } else { self.ends[face - 1] };
+            &self.corners[start..self.ends[face]]
+        })
+    }
+}
+
+impl Skipped {
+    /// All of them.
+    pub fn total(&self) -> usize {
+        self.points + self.lines + self.other
+    }
+}
+
+impl fmt::Display for Skipped {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} points, {} lines, {} other elements", self.points, self.lines, self.other)
+    }
+}
+
+impl RawMesh {
+    /// A mesh with nothing in it.
+    pub fn new(format: MeshFormat) -> RawMesh {
+        RawMesh {
+            positions: Vec::new(),
+            faces: Faces::default(),
+            objects: 0,
+            unit: None,
+            format,
+            skipped: Skipped::default(),
+        }
+    }
+
+    /// Appends a polygon; one with fewer than three corners is counted as a point or a line.
+    pub fn add_face(&mut self, corners: &[u32]) {
+        match corners.len() {
+            0 => self.skipped.other += 1,
+            1 => self.skipped.points += 1,
+            2 => self.skipped.lines += 1,
+            _ => self.faces.push(corners),
+        }
+    }
+
+    /// Appends the triangles of a strip; every other one is turned, so that all face one way.
+    pub(super) fn add_strip(&mut self, strip: &[u32]) {
+        if strip.len() < 3 {
+            self.add_face(strip);
+        }
+        for (k, t) in strip.windows(3).enumerate() {
+            // Repeated vertices join strips and make no triangle of their own.
+            if t[0] == t[1] || t[1] == t[2] || t[2] == t[0] {
+                continue;
+            }
+            let turned = [t[0], t[2], t[1]];
+            self.faces.push(if k % 2 == 0 { t } else { &turned });
+        }
+    }
+
+    pub(super) fn bad(&self, place: impl Into<String>, problem: impl Into<String>) -> MeshError {
+        MeshError::malformed(self.format, place, problem)
+    }
+
+    pub(super) fn check(&self) -> Result<(), MeshError> {
+        if self.positions.len() > u32::MAX as usize {
+            return Err(MeshError::TooLarge {
+                problem: format!(
+                    "{} vertices: at most {} fit; split the mesh",
+                    self.positions.len(),
+                    u32::MAX
+                ),
+            });
+        }
+        for (k, p) in self.positions.iter().enumerate() {
+            if !p.iter().all(|c| c.abs() <= MAX_COORDINATE) {
+                return Err(self.bad(
+                    format!("vertex {k} (counted from 0)"),
+                    format!(
+                        "the position ({}, {}, {}) is not finite or beyond 1e100; remove or repair \
+                         this vertex",
+                        p[0], p[1], p[2]
+                    ),
+                ));
+            }
+        }
+        let count = self.positions.len();
+        for (k, face) in self.faces.iter().enumerate() {
+            if let Some(&corner) = face.iter().find(|&&c| c as usize >= count) {
+                return Err(self.bad(
+                    format!("face {k} (counted from 0)"),
+                    format!(
+                        "refers to vertex {corner} (counted from 0), but there are only {count}; \
+                         the file is damaged or was cut: export it again"
+                    ),
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    pub(super) fn check_not_empty(&self) -> Result<(), MeshError> {
+        if !self.faces.is_empty() {
+            return Ok(());
+        }
+        if self.skipped.lines + self.skipped.other == 0 && !self.positions.is_empty() {
+            return Err(MeshError::PointCloud { points: self.positions.len() });
+        }
+        Err(MeshError::NoFaces { skipped: self.skipped })
+    }
+}

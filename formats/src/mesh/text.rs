@@ -1,0 +1,148 @@
+//! Words and numbers of a text format, with line numbers.
+
+use super::{MAX_COORDINATE, MeshError, MeshFormat};
+
+/// A place in a text: words are separated by blanks and line ends (`\n`, `\r\n` or `\r`).
+#[derive(Clone)]
+pub struct Words<'a> {
+    bytes: &'a [u8],
+    at: usize,
+    line: usize,
+    format: MeshFormat,
+}
+
+impl<'a> Words<'a> {
+    pub fn new(bytes: &'a [u8], format: MeshFormat) -> Words<'a> {
+        let at = if bytes.starts_with(b"\xEF\xBB\xBF") { 3 } else { 0 };
+        Words { bytes, at, line: 1, format }
+    }
+
+    pub fn bad(&self, problem: impl Into<String>) -> MeshError {
+        MeshError::malformed(self.format, format!("line {}", self.line), problem)
+    }
+
+    /// The bytes that were not read yet.
+    pub fn rest(&self) -> &'a [u8] {
+        &self.bytes[self.at..]
+    }
+
+    /// Byte offset from the start of the file.
+    pub fn offset(&self) -> usize {
+        self.at
+    }
+
+    /// Goes on after `count` bytes of binary data.
+    pub fn skip_bytes(&mut self, count: usize) {
+        self.at = (self.at + count).min(self.bytes.len());
+    }
+
+    /// The next line without its end, or `None` at the end of the file.
+    pub fn next_line(&mut self) -> Option<&'a [u8]> {
+        let rest = self.rest();
+        if rest.is_empty() {
+            return None;
+        }
+        let end = rest.iter().position(|b| matches!(b, b'\n' | b'\r'));
+        let Some(end) = end else {
+            self.at = self.bytes.len();
+            return Some(rest);
+        };
+        let crlf = rest[end] == b'\r' && rest.get(end + 1) == Some(&b'\n');
+        self.at += end + 1 + usize::from(crlf);
+        self.line += 1;
+        Some(&rest[..end])
+    }
+
+    /// The next word, on whatever line.
+    pub fn next(&mut self) -> Option<&'a [u8]> {
+        while let Some(&byte) = self.bytes.get(self.at) {
+            if !byte.is_ascii_whitespace() {
+                break;
+            }
+            let crlf = byte == b'\r' && self.bytes.get(self.at + 1) == Some(&b'\n');
+            self.line += usize::from(byte == b'\n' || (byte == b'\r' && !crlf));
+            self.at += 1;
+        }
+        let rest = self.rest();
+        let end = rest.iter().position(u8::is_ascii_whitespace);
+        let word = &rest[..end.unwrap_or(rest.len())];
+        self.at += word.len();
+        (!word.is_empty()).then_some(word)
+    }
+
+    /// The next word, which must be there.
+    pub fn word(&mut self, what: &str) -> Result<&'a [u8], MeshError> {
+        self.next().ok_or_else(|| self.bad(ends_early(what)))
+    }
+
+    /// The next word as a number that is finite and not beyond 1e100.
+    pub fn number(&mut self, what: &str) -> Result<f64, MeshError> {
+        let word = self.word(what)?;
+        number(word).ok_or_else(|| self.bad(not_a_number(word, what)))
+    }
+
+    /// The next word as a whole number.
+    pub fn count(&mut self, what: &str) -> Result<usize, MeshError> {
+        let word = self.word(what)?;
+        parse(word).ok_or_else(|| self.bad(format!("`{}` is not a whole number ({what})", show(word))))
+    }
+
+    /// Checks that `count` items of at least `size` bytes can still follow.
+    pub fn room_for(&self, count: usize, size: usize, what: &str) -> Result<(), MeshError> {
+        // The last word of a file needs no separator.
+        let left = self.rest().len() + 1;
+        match count.checked_mul(size) {
+            Some(bytes) if bytes <= left => Ok(()),
+            _ => Err(self.bad(format!(
+                "{count} {what} are announced, but only {} bytes follow; the file was cut or its \
+                 header is damaged: export it again",
+                self.rest().len()
+            ))),
+        }
+    }
+}
+
+pub fn ends_early(what: &str) -> String {
+    format!("the file ends where {what} was expected; it was cut: export or download it again")
+}
+
+pub fn not_a_number(word: &[u8], what: &str) -> String {
+    let hint = match any_number(word) {
+        Some(_) => "is not finite or beyond 1e100; repair this value",
+        None if word.contains(&b',') => {
+            "is not a number; export again with a decimal point instead of a comma"
+        }
+        None => "is not a number; the line is damaged: export the file again",
+    };
+    format!("`{}` {hint} ({what})", show(word))
+}
+
+/// A word of a file, for a message: short, printable.
+pub fn show(word: &[u8]) -> String {
+    let text = String::from_utf8_lossy(&word[..word.len().min(40)]);
+    let text: String = text.chars().map(|c| if c.is_control() { '?' } else { c }).collect();
+    if word.len() > 40 { text + "..." } else { text }
+}
+
+pub fn parse<T: std::str::FromStr>(word: &[u8]) -> Option<T> {
+    std::str::from_utf8(word).ok()?.parse().ok()
+}
+
+pub fn any_number(word: &[u8]) -> Option<f64> {
+    // C writes NaN in more ways than Rust reads.
+    let lower = word.to_ascii_lowercase();
+    let sign = lower.strip_prefix(b"-").unwrap_or(&lower);
+    if sign.starts_with(b"nan") || sign.starts_with(b"1.#") {
+        return Some(f64::NAN);
+    }
+    parse(word)
+}
+
+pub fn number(word: &[u8]) -> Option<f64> {
+    parse(word).filter(|value: &f64| value.abs() <= MAX_COORDINATE)
+}
+
+/// Words of one line.
+pub fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
+    line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
+}

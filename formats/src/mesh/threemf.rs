@@ -1,0 +1,294 @@
+//! 3MF: core specification 1.3, with the paths of the production extension.
+//!
+//! Own reader on `zip` and `quick-xml`: `threemf` holds whole documents without a limit, reads
+//! neither paths nor prefixed elements, and refuses resources in mixed order.
+
+use std::collections::BTreeMap;
+use std::io::{BufRead, BufReader, Cursor, Read};
+
+use quick_xml::Reader;
+use quick_xml::events::{BytesStart, Event};
+use zip::ZipArchive;
+
+use super::budget::Budget;
+use super::text::show;
+use super::transform::Affine;
+use super::xml::attribute;
+use super::{MeshError, MeshFormat, RawMesh};
+
+/// Components may contain components; no real file goes deeper.
+const MAX_DEPTH: usize = 64;
+/// Instances take time even if they are empty.
+const MAX_INSTANCES: usize = 1_000_000;
+
+type Archive<'a> = ZipArchive<Cursor<&'a [u8]>>;
+
+#[derive(Default)]
+struct Part {
+    unit: f64,
+    objects: BTreeMap<u64, Object>,
+    items: Vec<Reference>,
+}
+
+#[derive(Default)]
+struct Object {
+    vertices: Vec<[f64; 3]>,
+    triangles: Vec<[u32; 3]>,
+    components: Vec<Reference>,
+}
+
+#[derive(Clone)]
+struct Reference {
+    /// Of another part, if any.
+    path: Option<String>,
+    object: u64,
+    affine: Affine,
+}
+
+/// Reads the items of the build, or all objects with meshes if nothing is to be built.
+pub fn read(bytes: &[u8]) -> Result<RawMesh, MeshError> {
+    let mut raw = RawMesh::new(MeshFormat::ThreeMf);
+    let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(|error| {
+        raw.bad("the archive", format!("{error}; the file was cut or isn't 3MF: export it again"))
+    })?;
+    let mut budget = Budget::new(bytes.len());
+    let root = root_part(&mut archive)?;
+    let mut parts = BTreeMap::new();
+    load_part(&mut archive, &root, &mut budget, &mut parts)?;
+    raw.unit = Some(parts[&root].unit);
+    let mut todo: Vec<(String, Reference, usize)> = Vec::new();
+    let mut items = parts[&root].items.clone();
+    if items.is_empty() {
+        let with_mesh = parts[&root].objects.iter().filter(|(_, o)| !o.triangles.is_empty());
+        items = with_mesh.map(|(&object, _)| Reference::to(object)).collect();
+    }
+    todo.extend(items.into_iter().rev().map(|item| (root.clone(), item, 0)));
+    let mut instances = 0;
+    while let Some((here, reference, depth)) = todo.pop() {
+        let path = reference.path.clone().unwrap_or(here);
+        load_part(&mut archive, &path, &mut budget, &mut parts)?;
+        let place = format!("{path}, object {}", reference.object);
+        let Some(object) = parts[&path].objects.get(&reference.object) else {
+            return Err(raw.bad(place, "there is no such object; the file is damaged: export again"));
+        };
+        instances += 1;
+        if depth > MAX_DEPTH || instances > MAX_INSTANCES {
+            return Err(
+                raw.bad(place, "components contain each other, or there are over a million; export again")
+            );
+        }
+        add_object(&mut raw, object, &reference.affine, (&mut budget, &place))?;
+        for component in object.components.iter().rev() {
+            let affine = reference.affine.after(&component.affine);
+            let component = Reference { affine, ..component.clone() };
+            todo.push((path.clone(), component, depth + 1));
+        }
+        if todo.len() > MAX_INSTANCES {
+            return Err(raw.bad(place, "the file has over a million components; split it"));
+        }
+    }
+    Ok(raw)
+}
+
+impl Reference {
+    fn to(object: u64) -> Reference {
+        Reference { path: None, object, affine: Affine::IDENTITY }
+    }
+}
+
+fn add_object(
+    raw: &mut RawMesh,
+    object: &Object,
+    affine: &Affine,
+    (budget, place): (&mut Budget, &str),
+) -> Result<(), MeshError> {
+    if object.triangles.is_empty() {
+        return Ok(());
+    }
+    raw.objects += 1;
+    // Growing a list holds up to three times its size for a moment.
+    budget.take(object.vertices.len(), 3 * 24, "the build")?;
+    budget.take(object.triangles.len(), 3 * 20, "the build")?;
+    let (first, count) = (raw.positions.len(), object.vertices.len());
+    let Some(first) = u32::try_from(first).ok().filter(|_| first + count < u32::MAX as usize) else {
+        return Err(MeshError::TooLarge { problem: "too many vertices; split the build".into() });
+    };
+    raw.positions.extend(object.vertices.iter().map(|&p| affine.apply(p)));
+    let mirrored = affine.mirrors();
+    for (k, &[a, b, c]) in object.triangles.iter().enumerate() {
+        if let Some(bad) = [a, b, c].into_iter().find(|&v| v as usize >= count) {
+            return Err(raw.bad(
+                format!("{place}, triangle {k} (counted from 0)"),
+                format!("refers to vertex {bad}, but there are only {count}; export the file again"),
+            ));
+        }
+        let (b, c) = if mirrored { (c, b) } else { (b, c) };
+        raw.faces.push(&[first + a, first + b, first + c]);
+    }
+    Ok(())
+}
+
+fn bad(place: &str, problem: impl Into<String>) -> MeshError {
+    MeshError::malformed(MeshFormat::ThreeMf, place, problem)
+}
+
+fn entry_name(path: &str) -> String {
+    path.trim_start_matches('/').to_string()
+}
+
+/// The part that the package's relationships call the 3D model, or else the first of its kind.
+fn root_part(archive: &mut Archive) -> Result<String, MeshError> {
+    let mut found = None;
+    if let Ok(entry) = archive.by_name("_rels/.rels") {
+        let mut reader = Reader::from_reader(BufReader::new(entry.take(1 << 20)));
+        let mut buffer = Vec::new();
+        while let Ok(event) = reader.read_event_into(&mut buffer) {
+            match event {
+                Event::Eof => break,
+                Event::Start(tag) | Event::Empty(tag) => {
+                    let kind = attribute(&tag, "Type").unwrap_or_default();
+                    if kind.ends_with("/3dmodel") {
+                        found = attribute(&tag, "Target");
+                    }
+                }
+                _ => {}
+            }
+            buffer.clear();
+        }
+    }
+    let found = found.map(|path| entry_name(&path));
+    let found = found.filter(|path| archive.index_for_name(path).is_some());
+    let first = || archive.file_names().flatten().find(|name| name.ends_with(".model"));
+    found
+        .or_else(|| first().map(|name| name.into_owned()))
+        .ok_or_else(|| bad("the archive", "there is no 3D model in it: it is a ZIP, but not a 3MF file"))
+}
+
+fn load_part(
+    archive: &mut Archive,
+    path: &str,
+    budget: &mut Budget,
+    parts: &mut BTreeMap<String, Part>,
+) -> Result<(), MeshError> {
+    if parts.contains_key(path) {
+        return Ok(());
+    }
+    let entry = archive.by_name(path);
+    let entry = entry.map_err(|error| bad(path, format!("{error}; export the file again")))?;
+    let limit = budget.left() / 4;
+    // One more than the limit tells whether there is more.
+    let limited = BufReader::new(entry.take(limit + 1));
+    let mut reader = Reader::from_reader(limited);
+    let part = read_part(&mut reader, path)?;
+    // Every byte of XML makes at most four in memory: a vertex of 24 takes 27 characters.
+    let text = usize::try_from(reader.buffer_position()).unwrap_or(usize::MAX);
+    budget.take(text, 4, path)?;
+    parts.insert(path.to_string(), part);
+    Ok(())
+}
+
+fn read_part<R: BufRead>(reader: &mut Reader<R>, path: &str) -> Result<Part, MeshError> {
+    let mut part = Part::default();
+    let mut object: Option<(u64, Object)> = None;
+    let mut buffer = Vec::new();
+    let mut depth = 0usize;
+    loop {
+        buffer.clear();
+        let event = reader.read_event_into(&mut buffer);
+        let place = || format!("{path}, byte {}", reader.buffer_position());
+        let event = event.map_err(|error| {
+            bad(&place(), format!("{error}; the file was cut or is damaged: export it again"))
+        })?;
+        match &event {
+            Event::Eof if depth > 0 => {
+                return Err(bad(&place(), "the XML ends early; the file was cut: export it again"));
+            }
+            Event::Eof => return Ok(part),
+            Event::Start(tag) | Event::Empty(tag) => {
+                depth += usize::from(matches!(event, Event::Start(_)));
+                element(tag, &mut part, &mut object, &place)?;
+            }
+            Event::End(tag) => {
+                depth = depth.saturating_sub(1);
+                if tag.local_name().as_ref() == "object"
+                    && let Some((id, object)) = object.take()
+                {
+                    part.objects.insert(id, object);
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
+fn element(
+    tag: &BytesStart,
+    part: &mut Part,
+    object: &mut Option<(u64, Object)>,
+    place: &dyn Fn() -> String,
+) -> Result<(), MeshError> {
+    let name = tag.local_name();
+    match (name.as_ref(), object) {
+        ("model", _) => part.unit = unit(tag, place)?,
+        ("object", object) => {
+            *object = Some((parse(tag, "id", place)?, Object::default()));
+        }
+        ("vertex", Some((_, object))) => {
+            let p = ["x", "y", "z"].map(|name| parse::<f64>(tag, name, place));
+            let [x, y, z] = p;
+            object.vertices.push([x?, y?, z?]);
+        }
+        ("triangle", Some((_, object))) => {
+            let t = ["v1", "v2", "v3"].map(|name| parse::<u32>(tag, name, place));
+            let [a, b, c] = t;
+            object.triangles.push([a?, b?, c?]);
+        }
+        ("component", Some((_, object))) => object.components.push(reference(tag, place)?),
+        ("item", _) => part.items.push(reference(tag, place)?),
+        _ => {}
+    }
+    Ok(())
+}
+
+fn parse<T: std::str::FromStr>(
+    tag: &BytesStart,
+    name: &str,
+    place: &dyn Fn() -> String,
+) -> Result<T, MeshError> {
+    let text = attribute(tag, name).unwrap_or_default();
+    text.trim().parse().map_err(|_| {
+        let (name, text) = (show(name.as_bytes()), show(text.as_bytes()));
+        bad(&place(), format!("the attribute {name} is not a valid number: `{text}`; export again"))
+    })
+}
+
+fn unit(tag: &BytesStart, place: &dyn Fn() -> String) -> Result<f64, MeshError> {
+    let name = attribute(tag, "unit").unwrap_or("millimeter".into());
+    Ok(match name.as_str() {
+        "micron" => 1e-6,
+        "millimeter" => 1e-3,
+        "centimeter" => 1e-2,
+        "inch" => 0.0254,
+        "foot" => 0.3048,
+        "meter" => 1.0,
+        other => {
+            let problem = format!("`{}` is not a unit of 3MF", show(other.as_bytes()));
+            return Err(bad(&place(), problem));
+        }
+    })
+}
+
+/// An object and its transform: four rows of three numbers, for points as rows (section 3.3).
+fn reference(tag: &BytesStart, place: &dyn Fn() -> String) -> Result<Reference, MeshError> {
+    let object = parse(tag, "objectid", place)?;
+    let path = attribute(tag, "path").map(|path| entry_name(&path));
+    let mut affine = Affine::IDENTITY;
+    if let Some(text) = attribute(tag, "transform") {
+        let numbers: Vec<f64> = text.split_whitespace().flat_map(str::parse).collect();
+        let Ok(m) = <[f64; 12]>::try_from(numbers) else {
+            return Err(bad(&place(), "a transform needs 12 numbers; export the file again"));
+        };
+        affine = Affine(std::array::from_fn(|i| [m[i], m[3 + i], m[6 + i], m[9 + i]]));
+    }
+    Ok(Reference { path, object, affine })
+}

@@ -1,0 +1,254 @@
+//! VTK XML: "VTK File Formats", VTK User's Guide, "XML File Formats": VTU and VTP.
+//!
+//! Data arrays are ASCII, base64 or, in the appended section, raw or base64; compressed by zlib or
+//! not. Only points and cells are decoded.
+
+mod array;
+
+use quick_xml::Reader;
+use quick_xml::events::{BytesStart, Event};
+
+use self::array::{Decoder, Source};
+use super::binary::as_count;
+use super::budget::Budget;
+use super::sniff::find;
+use super::vtk_cells::{Cells, corners};
+use super::xml::{attribute, line_of};
+use super::{MeshError, MeshFormat, RawMesh};
+
+const SURFACE: &str = "extract its surface (in ParaView: Extract Surface, save as .vtp)";
+
+/// A part of the grid with its own points.
+#[derive(Default)]
+struct Piece {
+    points: usize,
+    cells: usize,
+    arrays: Vec<(String, String, Vec<f64>)>,
+}
+
+/// Reads a VTU or VTP, by what the file says itself.
+pub fn read(bytes: &[u8], format: MeshFormat) -> Result<RawMesh, MeshError> {
+    let mut raw = RawMesh::new(format);
+    let (xml, appended) = split_appended(bytes);
+    let mut reader = Reader::from_reader(xml);
+    let mut decoder: Option<Decoder> = None;
+    let mut budget = Budget::new(bytes.len());
+    let mut piece = Piece::default();
+    let mut section = String::new();
+    loop {
+        let event = reader.read_event();
+        let at = reader.buffer_position() as usize;
+        let place = || line_of(bytes, at);
+        let event = event.map_err(|error| raw.bad(place(), format!("invalid XML: {error}")))?;
+        match event {
+            Event::Start(tag) | Event::Empty(tag)
+                if tag.local_name().as_ref() == "DataArray" && is_geometry(&section) =>
+            {
+                let decoder = decoder.as_ref().ok_or_else(|| raw.bad(place(), "no VTKFile"))?;
+                let name = attribute(&tag, "Name").unwrap_or_default();
+                let source = source(&tag, xml, at, appended);
+                let problem = |problem: array::Problem| problem.into_error(&raw, line_of(bytes, at));
+                let kind = attribute(&tag, "type").unwrap_or_default();
+                let values = decoder.decode(&source, &kind, &mut budget).map_err(problem)?;
+                piece.arrays.push((section.clone(), name, values));
+            }
+            Event::Start(tag) | Event::Empty(tag) => match tag.local_name().as_ref() {
+                "VTKFile" => decoder = Some(file_tag(&tag, &mut raw, appended, &place)?),
+                "Piece" => piece = Piece::new(&tag),
+                name if is_section(name) => section = name.to_string(),
+                _ => {}
+            },
+            Event::End(tag) => match tag.local_name().as_ref() {
+                "Piece" => std::mem::take(&mut piece).add(&mut raw, &place)?,
+                name if name == section => section.clear(),
+                _ => {}
+            },
+            Event::Eof => break,
+            _ => {}
+        }
+    }
+    if decoder.is_none() {
+        return Err(raw.bad("line 1", "there is no VTKFile element: it isn't a VTK XML file"));
+    }
+    check_closed(bytes, &raw)?;
+    Ok(raw)
+}
+
+fn check_closed(bytes: &[u8], raw: &RawMesh) -> Result<(), MeshError> {
+    let end = bytes.len();
+    let tail = &bytes[end.saturating_sub(256)..];
+    if find(tail, b"</VTKFile").is_some() {
+        return Ok(());
+    }
+    Err(raw.bad(line_of(bytes, end), "the file ends without `</VTKFile>`; it was cut: export it again"))
+}
+
+fn is_section(name: &str) -> bool {
+    is_geometry(name) || matches!(name, "PointData" | "CellData" | "FieldData")
+}
+
+fn is_geometry(section: &str) -> bool {
+    matches!(section, "Points" | "Cells" | "Verts" | "Lines" | "Strips" | "Polys")
+}
+
+/// XML readers can't pass raw bytes: what comes before them, and the bytes after the underscore.
+fn split_appended(bytes: &[u8]) -> (&[u8], Option<&[u8]>) {
+    let Some(tag) = find_fast(bytes, b"<AppendedData") else {
+        return (bytes, None);
+    };
+    let open = bytes[tag..].iter().position(|&b| b == b'>').map(|k| tag + k);
+    let data = open.and_then(|open| {
+        let rest = &bytes[open..];
+        rest.iter().position(|&b| b == b'_').map(|k| &rest[k + 1..])
+    });
+    (&bytes[..tag], data)
+}
+
+/// Candidates are rare, so a search for the first byte comes first.
+fn find_fast(bytes: &[u8], needle: &[u8]) -> Option<usize> {
+    let mut from = 0;
+    while let Some(k) = bytes[from..].iter().position(|&b| b == needle[0]) {
+        if bytes[from + k..].starts_with(needle) {
+            return Some(from + k);
+        }
+        from += k + 1;
+    }
+    None
+}
+
+fn source<'a>(tag: &BytesStart, xml: &'a [u8], at: usize, appended: Option<&'a [u8]>) -> Source<'a> {
+    let rest = &xml[at.min(xml.len())..];
+    let text = &rest[..rest.iter().position(|&b| b == b'<').unwrap_or(rest.len())];
+    match attribute(tag, "format").unwrap_or_default().as_str() {
+        "appended" => {
+            let offset = attribute(tag, "offset").and_then(|text| text.trim().parse().ok());
+            let data = offset.and_then(|offset: usize| appended.and_then(|data| data.get(offset..)));
+            Source::Appended(data)
+        }
+        "binary" => Source::Inline(text),
+        _ => Source::Ascii(text),
+    }
+}
+
+fn file_tag(
+    tag: &BytesStart,
+    raw: &mut RawMesh,
+    appended: Option<&[u8]>,
+    place: &dyn Fn() -> String,
+) -> Result<Decoder, MeshError> {
+    let kind = attribute(tag, "type").unwrap_or_default();
+    raw.format = match kind.as_str() {
+        "PolyData" => MeshFormat::Vtp,
+        "UnstructuredGrid" => MeshFormat::Vtu,
+        "" => return Err(raw.bad(place(), "VTKFile has no type")),
+        _ => {
+            return Err(MeshError::unsupported(
+                raw.format,
+                format!("a VTK XML file of type {}", super::text::show(kind.as_bytes())),
+                SURFACE,
+            ));
+        }
+    };
+    let text = |name: &str| attribute(tag, name).unwrap_or_default();
+    Decoder::new(&text("byte_order"), &text("header_type"), &text("compressor"), appended)
+        .map_err(|problem| problem.into_error(raw, place()))
+}
+
+impl Piece {
+    fn new(tag: &BytesStart) -> Piece {
+        let count =
+            |name: &str| attribute(tag, name).and_then(|text| text.trim().parse().ok()).unwrap_or(0usize);
+        let polygons = ["NumberOfVerts", "NumberOfLines", "NumberOfStrips", "NumberOfPolys"];
+        Piece {
+            points: count("NumberOfPoints"),
+            cells: polygons.iter().fold(count("NumberOfCells"), |n, k| n.saturating_add(count(k))),
+            arrays: Vec::new(),
+        }
+    }
+
+    fn take(&mut self, section: &str, name: &str) -> Option<Vec<f64>> {
+        let array = self.arrays.iter_mut().find(|(s, n, _)| s == section && (n == name || name.is_empty()));
+        array.map(|(_, _, values)| std::mem::take(values))
+    }
+
+    fn add(mut self, raw: &mut RawMesh, place: &dyn Fn() -> String) -> Result<(), MeshError> {
+        raw.objects += 1;
+        let first = u32::try_from(raw.positions.len()).unwrap_or(u32::MAX);
+        let points = self.take("Points", "").unwrap_or_default();
+        if Some(points.len()) != self.points.checked_mul(3) {
+            return Err(raw.bad(
+                place(),
+                format!(
+                    "the piece announces {} points, but its array has {} numbers; the file was cut \
+                     or is damaged: export it again",
+                    self.points,
+                    points.len()
+                ),
+            ));
+        }
+        raw.positions.extend(points.chunks_exact(3).map(|p| [p[0], p[1], p[2]]));
+        let mut faces = Cells::default();
+        let mut cells = 0usize;
+        for (section, kind) in [("Verts", 2), ("Lines", 4), ("Strips", 6), ("Polys", 7), ("Cells", 0)] {
+            let kinds = self.take(section, "types");
+            let lists = (self.take(section, "connectivity"), self.take(section, "offsets"));
+            let (Some(list), Some(offsets)) = lists else {
+                continue;
+            };
+            cells += offsets.len();
+            let part = Part { place, section, first, kind };
+            part.add(raw, &mut faces, (&list, &offsets, kinds.as_deref()))?;
+        }
+        if cells != self.cells {
+            return Err(raw.bad(
+                place(),
+                format!(
+                    "the piece announces {} cells, but its arrays have {cells}; the file was cut or \
+                     is damaged: export it again",
+                    self.cells
+                ),
+            ));
+        }
+        faces.finish(raw);
+        Ok(())
+    }
+}
+
+/// One list of cells.
+struct Part<'a> {
+    place: &'a dyn Fn() -> String,
+    section: &'a str,
+    /// The piece's first point.
+    first: u32,
+    /// The type of all cells, unless each has its own.
+    kind: u8,
+}
+
+impl Part<'_> {
+    fn add(
+        &self,
+        raw: &mut RawMesh,
+        faces: &mut Cells,
+        (list, offsets, kinds): (&[f64], &[f64], Option<&[f64]>),
+    ) -> Result<(), MeshError> {
+        let mut start = 0;
+        for (k, &end) in offsets.iter().enumerate() {
+            let at = || format!("{}, {}, cell {k} (counted from 0)", (self.place)(), self.section);
+            let cell = as_count(end).filter(|&end| start <= end).and_then(|end| list.get(start..end));
+            let Some(cell) = cell else {
+                return Err(raw.bad(at(), "the offsets don't rise within the connectivity; export again"));
+            };
+            let kind = match self.section {
+                "Cells" => kinds.and_then(|kinds| kinds.get(k).copied()).and_then(as_count),
+                _ => Some(usize::from(self.kind)),
+            };
+            let Some(kind) = kind.and_then(|kind| u8::try_from(kind).ok()) else {
+                return Err(raw.bad(at(), "the array `types` has no valid type for this cell"));
+            };
+            let corners = corners(raw, cell, self.first, &at)?;
+            faces.add(raw, kind, &corners)?;
+            start += cell.len();
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,343 @@
+//! Mesh readers and cleaning: hand-made files of each format with known geometry.
+
+#[path = "mesh/samples.rs"]
+mod samples;
+
+use std::path::Path;
+
+use proptest::prelude::*;
+use volmap_formats::mesh::*;
+
+type Point = [f64; 3];
+
+fn read_clean(bytes: &[u8], format: MeshFormat) -> (TriangleMesh, CleanReport) {
+    clean(read_mesh_bytes(bytes, format).unwrap(), &CleanSettings::default()).unwrap()
+}
+
+fn error(bytes: &[u8], format: MeshFormat) -> String {
+    let result = read_mesh_bytes(bytes, format).and_then(|raw| clean(raw, &CleanSettings::default()));
+    match result {
+        Ok(_) => panic!("{format}: was read"),
+        Err(MeshError::Panicked { message, .. }) => panic!("{format}: panicked: {message}"),
+        Err(error) => error.to_string(),
+    }
+}
+
+/// Area and volume.
+fn measure(mesh: &TriangleMesh) -> (f64, f64) {
+    let (mut area, mut volume) = (0.0, 0.0);
+    for t in &mesh.triangles {
+        let [a, b, c] = t.map(|v| mesh.vertices[v as usize]);
+        let (u, v): (Point, Point) = ([0, 1, 2].map(|i| b[i] - a[i]), [0, 1, 2].map(|i| c[i] - a[i]));
+        let n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+        area += n.iter().map(|c| c * c).sum::<f64>().sqrt() / 2.0;
+        volume += (a[0] * n[0] + a[1] * n[1] + a[2] * n[2]) / 6.0;
+    }
+    (area, volume)
+}
+
+/// Every edge has as many triangles on its left as on its right.
+fn is_closed(mesh: &TriangleMesh) -> bool {
+    let mut edges = std::collections::BTreeMap::<(u32, u32), i64>::new();
+    for t in &mesh.triangles {
+        for (a, b) in [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])] {
+            *edges.entry((a.min(b), a.max(b))).or_default() += if a < b { 1 } else { -1 };
+        }
+    }
+    edges.values().all(|&count| count == 0)
+}
+
+#[test]
+fn every_format_reads_the_box() {
+    for sample in samples::boxes() {
+        let (mesh, report) = read_clean(&sample.bytes, sample.format);
+        let name = sample.name;
+        assert_eq!((mesh.vertices.len(), mesh.triangles.len()), (8, 12), "{name}: {report:?}");
+        let (area, volume) = measure(&mesh);
+        // 2 x 3 x 5, shifted.
+        assert!((area - 62.0).abs() < 1e-5 && (volume - 30.0).abs() < 1e-5, "{name}: {area} {volume}");
+        assert!(is_closed(&mesh), "{name}");
+    }
+}
+
+#[test]
+fn content_wins_over_a_lying_name() {
+    for sample in samples::boxes() {
+        for name in ["x.stl", "x.obj", "x.dat", "x"] {
+            let format = MeshFormat::detect(Path::new(name), &sample.bytes).unwrap();
+            assert_eq!(format, sample.format, "{} called {name}", sample.name);
+        }
+    }
+}
+
+#[test]
+fn numbers_are_not_rounded_to_f32() {
+    let text = "v 0.1 0.2 0.30000000000000004\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    let raw = read_mesh_bytes(text.as_bytes(), MeshFormat::Obj).unwrap();
+    assert_eq!(raw.positions[0], [0.1, 0.2, 0.30000000000000004]);
+}
+
+#[test]
+fn obj_takes_what_exporters_write() {
+    let text = b"mtllib none.mtl\r\no W\xFCrfel\r\nv 0 0 0 1 0 0\r\nv 1 0 \\\r\n0\r\nv 1 1 0\r\nv 0 1 0\r\n\
+        vt 0 0\r\nusemtl a\\b\r\nf -4/1 -3/1/1 -2//1 \\\r\n -1 # end\r\nl 1 2\r\np 1\r\n";
+    let raw = read_mesh_bytes(text, MeshFormat::Obj).unwrap();
+    assert_eq!(raw.positions.len(), 4);
+    assert_eq!(raw.faces.iter().collect::<Vec<_>>(), [&[0, 1, 2, 3]]);
+    assert_eq!((raw.skipped.lines, raw.skipped.points), (1, 1));
+}
+
+#[test]
+fn a_concave_polygon_of_an_obj_keeps_its_area() {
+    let text = "v 0 0 1\nv 4 0 1\nv 4 4 1\nv 2 1 1\nv 0 4 1\nf 1 2 3 4 5\n";
+    let (mesh, report) = read_clean(text.as_bytes(), MeshFormat::Obj);
+    assert_eq!((report.polygons, report.fan_fallbacks, mesh.triangles.len()), (1, 0, 3));
+    assert!((measure(&mesh).0 - 10.0).abs() < 1e-12);
+}
+
+#[test]
+fn errors_name_place_and_cure() {
+    let cases: [(&str, MeshFormat, &[&str]); 14] = [
+        ("v 0 0 0\nv 1 x 0\n", MeshFormat::Obj, &["line 2", "`x` is not a number"]),
+        ("v 0 0 0\nv 1 0,5 0\n", MeshFormat::Obj, &["line 2", "decimal point"]),
+        ("v 0 0 0\nv nan 0 0\n", MeshFormat::Obj, &["line 2", "not finite"]),
+        ("v 0 0 0\nv 1e200 0 0\n", MeshFormat::Obj, &["line 2", "1e100"]),
+        ("v 0 0 0\nv 1 0 0\nf 1 2 7\nf 1 2 1\n", MeshFormat::Obj, &["line 3", "vertex 7", "only 2"]),
+        ("v 0 0 0\nf 1 -2 1\n", MeshFormat::Obj, &["line 2", "`-2`"]),
+        ("v 0 0 0\nf 0 1 1\n", MeshFormat::Obj, &["line 2", "`0`"]),
+        ("v 0 0 0\nv 1 0 0\n", MeshFormat::Obj, &["point cloud: 2 points"]),
+        ("", MeshFormat::Obj, &["no faces"]),
+        ("v 0 0 0\nv 1 0 0\nf 1 2 2\n", MeshFormat::Obj, &["all 1 faces collapse"]),
+        ("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", MeshFormat::Off, &["line 6", "`3`", "0 to 2"]),
+        ("OFF\n4000000000 1 0\n0 0 0\n", MeshFormat::Off, &["4000000000 vertices", "cut"]),
+        ("OFF BINARY\n", MeshFormat::Off, &["binary OFF", "ASCII"]),
+        ("solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\n", MeshFormat::Stl, &["line 5", "cut"]),
+    ];
+    for (text, format, parts) in cases {
+        let message = error(text.as_bytes(), format);
+        for part in parts {
+            assert!(message.contains(part), "`{part}` is not in: {message}");
+        }
+    }
+}
+
+#[test]
+fn strangers_are_told_apart() {
+    let cases: [(&[u8], &str); 4] = [
+        (b"", "empty"),
+        (b"\x1f\x8b\x08abc", "gzip"),
+        (b"version https://git-lfs.github.com/spec/v1\n", "git lfs pull"),
+        (b"\xFF\xFEv\0 \0", "UTF-16"),
+    ];
+    for (bytes, part) in cases {
+        let error = MeshFormat::detect(Path::new("a.obj"), bytes).unwrap_err().to_string();
+        assert!(error.contains(part), "{error}");
+    }
+    let error = MeshFormat::detect(Path::new("a.xyz"), b"hello\n").unwrap_err();
+    assert!(matches!(error, MeshError::UnknownFormat { .. }));
+}
+
+#[test]
+fn load_names_the_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("broken.obj");
+    std::fs::write(&path, "v 0 0 0\nf 1 2 3\n").unwrap();
+    let error = load(&path, &CleanSettings::default()).unwrap_err().to_string();
+    assert!(error.contains("broken.obj: OBJ, line 2"), "{error}");
+    assert!(load(folder.path(), &CleanSettings::default()).is_err());
+}
+
+#[test]
+fn gltf_buffers_beside_the_file_are_read_and_others_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let inner = folder.path().join("model");
+    std::fs::create_dir(&inner).unwrap();
+    let (json, buffer) = samples::gltf_external("my%20box.bin");
+    std::fs::write(inner.join("my box.bin"), &buffer).unwrap();
+    std::fs::write(folder.path().join("secret.bin"), &buffer).unwrap();
+    let path = inner.join("a.gltf");
+    std::fs::write(&path, json).unwrap();
+    let (mesh, report) = load(&path, &CleanSettings::default()).unwrap();
+    assert_eq!((mesh.triangles.len(), report.unit), (12, Some(1.0)));
+    for uri in ["../secret.bin", "%2e%2e/secret.bin"] {
+        std::fs::write(&path, samples::gltf_external(uri).0).unwrap();
+        let error = load(&path, &CleanSettings::default()).unwrap_err().to_string();
+        assert!(error.contains("leads out"), "{error}");
+    }
+    std::fs::write(&path, samples::gltf_external("gone.bin").0).unwrap();
+    let error = load(&path, &CleanSettings::default()).unwrap_err().to_string();
+    assert!(error.contains("gone.bin"), "{error}");
+}
+
+#[test]
+fn gltf_transforms_strips_fans_and_sparse_accessors() {
+    let (mesh, report) = read_clean(&samples::gltf_scene(), MeshFormat::Gltf);
+    // A strip and a fan of two triangles each, a fan once more under a mirroring node; lines skipped.
+    assert_eq!((mesh.triangles.len(), report.skipped.lines, report.objects), (6, 1, 2));
+    let (area, _) = measure(&mesh);
+    // Twice the unit square, scaled by 2 in the parent; and a mirrored one at its own size.
+    assert!((area - 2.0 * 4.0 - 1.0).abs() < 1e-6, "{area}");
+    for t in &mesh.triangles {
+        let [a, b, c] = t.map(|v| mesh.vertices[v as usize]);
+        let z = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+        assert!(z > 0.0, "faces down: {t:?}");
+    }
+    // The sparse accessor lifts the fan's first corner.
+    assert!(mesh.vertices.iter().any(|v| v[2] == 0.0) && mesh.vertices.iter().all(|v| v[2] >= 0.0));
+}
+
+#[test]
+fn threemf_units_components_and_mirrors() {
+    let (mesh, report) = read_clean(&samples::threemf_assembly(), MeshFormat::ThreeMf);
+    assert_eq!((report.unit, report.objects, mesh.triangles.len()), (Some(0.0254), 3, 36));
+    let (_, volume) = measure(&mesh);
+    // One box, one doubled in x, one mirrored: all outward.
+    assert!((volume - 30.0 * 4.0).abs() < 1e-9, "{volume}");
+}
+
+#[test]
+fn threemf_bombs_are_refused() {
+    let error = error(&samples::threemf_bomb(), MeshFormat::ThreeMf);
+    assert!(error.contains("MiB") || error.contains("million"), "{error}");
+}
+
+#[test]
+fn vtu_bombs_are_refused() {
+    let error = error(&samples::vtu_bomb(), MeshFormat::Vtu);
+    assert!(error.contains("MiB"), "{error}");
+}
+
+#[test]
+fn ply_strips_extra_elements_and_doubles() {
+    let text = "ply\nformat ascii 1.0\ncomment x\nelement vertex 4\nproperty double x\nproperty double y\n\
+        property double z\nproperty uchar scalar_C2C[<0.1]\nelement edge 1\nproperty int a\nproperty int b\n\
+        element empty 4000000000\nelement tristrips 1\nproperty list int int vertex_indices\nend_header\n\
+        0 0 0 1\n1 0 0 1\n0 1 0 1\n1 1 0.1 1\n0 1\n8 0 1 2 3 -1 0 2 1\n";
+    let raw = read_mesh_bytes(text.as_bytes(), MeshFormat::Ply).unwrap();
+    let faces: Vec<_> = raw.faces.iter().collect();
+    assert_eq!(faces, [[0, 1, 2], [1, 3, 2], [0, 2, 1]]);
+    assert_eq!((raw.positions[3][2], raw.skipped.lines), (0.1, 1));
+}
+
+#[test]
+fn off_variants_have_positions_first() {
+    let variants = [
+        "NOFF 3 1 0\n0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n3 0 1 2\n",
+        "# c\nSTCNOFF\n\n3 1 0 # counts\n0 0 0 0 0 1 9 9 9 9 5 5\n1 0 0 0 0 1 9 9 9 9 5 5\n\
+         0 1 0 0 0 1 9 9 9 9 5 5\n3 0 1 2 0.5 0.5 0.5\n",
+        "4OFF\n3 1\n0 0 0 2\n2 0 0 2\n0 2 0 2\n3 0 1\n2\n",
+        "nOFF\n3\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+        "3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+    ];
+    for text in variants {
+        let raw = read_mesh_bytes(text.as_bytes(), MeshFormat::Off).unwrap();
+        assert_eq!(raw.positions, [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], "{text}");
+        assert_eq!(raw.faces.iter().collect::<Vec<_>>(), [[0, 1, 2]], "{text}");
+    }
+}
+
+#[test]
+fn cleaning_counts_what_it_does() {
+    let mut raw = RawMesh::new(MeshFormat::Obj);
+    raw.positions = vec![
+        [0.0, 0.0, 0.0],
+        [1.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [-0.0, 0.0, 0.0],
+        [0.5, 0.0, 0.0],
+        [9.0, 9.0, 9.0],
+    ];
+    for face in [[0, 1, 2], [1, 2, 3], [2, 1, 0], [0, 3, 1], [0, 4, 1]] {
+        raw.add_face(&face);
+    }
+    let (mesh, report) = clean(raw, &CleanSettings::default()).unwrap();
+    assert_eq!(mesh.triangles, [[0, 1, 2], [2, 1, 0], [0, 3, 1]]);
+    assert_eq!((report.welded, report.duplicates, report.degenerate), (1, 1, 1));
+    assert_eq!((report.zero_area, report.unreferenced), (1, 1));
+}
+
+#[test]
+fn a_needle_keeps_a_closed_mesh_closed() {
+    // A tetrahedron with a vertex in the middle of an edge that only one side has.
+    let mut raw = RawMesh::new(MeshFormat::Obj);
+    raw.positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.5, 0.0, 0.0]];
+    for face in [[0, 2, 1], [0, 4, 3], [4, 1, 3], [1, 2, 3], [2, 0, 3], [0, 1, 4]] {
+        raw.add_face(&face);
+    }
+    let (mesh, report) = clean(raw, &CleanSettings::default()).unwrap();
+    assert_eq!((report.zero_area, report.degenerate), (1, 0));
+    assert!(is_closed(&mesh));
+}
+
+#[test]
+fn a_weld_tolerance_closes_cracks() {
+    let mut raw = read_mesh_bytes(&samples::boxes()[0].bytes, MeshFormat::Obj).unwrap();
+    let mut split = RawMesh::new(MeshFormat::Obj);
+    for (k, face) in raw.faces.iter().enumerate() {
+        let first = split.positions.len() as u32;
+        let shift = k as f64 * 1e-5;
+        split.positions.extend(face.iter().map(|&c| raw.positions[c as usize].map(|c| c + shift)));
+        let corners: Vec<u32> = (0..face.len() as u32).map(|k| first + k).collect();
+        split.add_face(&corners);
+    }
+    let (open, _) = clean(split.clone(), &CleanSettings::default()).unwrap();
+    assert!(!is_closed(&open));
+    let (closed, report) = clean(split, &CleanSettings { weld_tolerance: 1e-3 }).unwrap();
+    assert!(is_closed(&closed) && closed.vertices.len() == 8, "{report:?}");
+    raw.positions[0][0] = f64::NAN;
+    assert!(clean(raw.clone(), &CleanSettings::default()).is_err());
+    assert!(clean(raw, &CleanSettings { weld_tolerance: -1.0 }).is_err());
+}
+
+fn raw_mesh() -> impl Strategy<Value = RawMesh> {
+    // Few different coordinates, so that vertices, lines and planes often coincide.
+    let coordinate = prop_oneof![(-3i32..4).prop_map(f64::from), -1e3..1e3, Just(-0.0), Just(1e99)];
+    let positions = prop::collection::vec([coordinate.clone(), coordinate.clone(), coordinate], 1..24);
+    let faces = prop::collection::vec(prop::collection::vec(0u32..26, 0..9), 0..20);
+    (positions, faces).prop_map(|(positions, faces)| {
+        let mut raw = RawMesh::new(MeshFormat::Off);
+        raw.positions = positions;
+        faces.iter().for_each(|face| raw.add_face(face));
+        raw
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(2000))]
+
+    #[test]
+    fn cleaning_never_makes_an_invalid_mesh(raw in raw_mesh(), tolerance in prop_oneof![Just(0.0), 1e-3..2.0]) {
+        let settings = CleanSettings { weld_tolerance: tolerance };
+        if let Ok((mesh, report)) = clean(raw.clone(), &settings) {
+            let count = mesh.vertices.len();
+            prop_assert!(mesh.vertices.iter().flatten().all(|c| c.is_finite()));
+            let mut used = vec![false; count];
+            for t in &mesh.triangles {
+                prop_assert!(t.iter().all(|&v| (v as usize) < count));
+                prop_assert!(t[0] != t[1] && t[1] != t[2] && t[2] != t[0]);
+                t.iter().for_each(|&v| used[v as usize] = true);
+            }
+            prop_assert!(used.into_iter().all(|used| used) && !mesh.triangles.is_empty());
+            prop_assert_eq!(count + report.welded + report.unreferenced, raw.positions.len());
+            prop_assert_eq!(report.triangles + report.quads + report.polygons, raw.faces.len());
+            // Cleaning what is clean changes nothing.
+            let mut again = RawMesh::new(MeshFormat::Off);
+            again.positions = mesh.vertices.clone();
+            mesh.triangles.iter().for_each(|t| again.add_face(t));
+            prop_assert_eq!(&clean(again, &CleanSettings::default()).unwrap().0, &mesh);
+        }
+    }
+
+    #[test]
+    fn a_closed_mesh_of_polygons_stays_closed(
+        points in prop::collection::vec([-1.0f64..1.0, -1.0..1.0, -1.0..1.0], 8),
+        tolerance in prop_oneof![Just(0.0), 1e-3..1.0],
+    ) {
+        // A box with its corners moved anywhere: faces bend, cross, collapse.
+        let mut raw = read_mesh_bytes(&samples::boxes()[0].bytes, MeshFormat::Obj).unwrap();
+        raw.positions = points;
+        if let Ok((mesh, report)) = clean(raw, &CleanSettings { weld_tolerance: tolerance }) {
+            prop_assert!(report.duplicates > 0 || is_closed(&mesh), "{:?}", report);
+        }
+    }
+}

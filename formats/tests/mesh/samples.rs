@@ -1,0 +1,355 @@
+//! A box of 2 x 3 x 5 from (1, -1, 0.5), hand-made in every format and variant.
+
+use std::fmt::Write as _;
+use std::io::Write as _;
+
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
+use volmap_formats::mesh::MeshFormat;
+
+pub struct Sample {
+    pub name: &'static str,
+    pub format: MeshFormat,
+    pub bytes: Vec<u8>,
+}
+
+const QUADS: [[u32; 4]; 6] =
+    [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+
+fn points() -> Vec<[f64; 3]> {
+    let corner = |k: usize, bit: usize| f64::from(u8::from(k >> bit & 1 == 1));
+    (0..8).map(|k| [1.0 + 2.0 * corner(k, 0), -1.0 + 3.0 * corner(k, 1), 0.5 + 5.0 * corner(k, 2)]).collect()
+}
+
+fn triangles() -> Vec<[u32; 3]> {
+    QUADS.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect()
+}
+
+fn text_points() -> String {
+    points().iter().fold(String::new(), |s, p| s + &format!("{} {} {}\n", p[0], p[1], p[2]))
+}
+
+fn text_quads() -> String {
+    QUADS.iter().fold(String::new(), |s, q| s + &format!("4 {} {} {} {}\n", q[0], q[1], q[2], q[3]))
+}
+
+fn obj() -> Vec<u8> {
+    let mut text = String::from("# box\nmtllib gone.mtl\no box\n");
+    points().iter().for_each(|p| writeln!(text, "v {} {} {}", p[0], p[1], p[2]).unwrap());
+    QUADS.map(|q| q.map(|v| v + 1)).iter().for_each(|[a, b, c, d]| {
+        writeln!(text, "f {a}/1 {b}//2 {c} {d}/1/1").unwrap();
+    });
+    text.into_bytes()
+}
+
+fn stl_ascii(first: &str) -> Vec<u8> {
+    let mut text = format!("{first}\n");
+    for t in triangles() {
+        text += "facet normal nan 0 0\n outer loop\n";
+        for p in t.map(|v| points()[v as usize]) {
+            writeln!(text, "  vertex {:e} {:e} {:e}", p[0], p[1], p[2]).unwrap();
+        }
+        text += " endloop\nendfacet\n";
+    }
+    (text + "endsolid\n").into_bytes()
+}
+
+fn stl_binary() -> Vec<u8> {
+    let mut bytes = b"solid but binary, with facet".to_vec();
+    bytes.resize(80, b' ');
+    bytes.extend((triangles().len() as u32).to_le_bytes());
+    for t in triangles() {
+        bytes.extend([0; 12]);
+        for c in t.iter().flat_map(|&v| points()[v as usize]) {
+            bytes.extend((c as f32).to_le_bytes());
+        }
+        bytes.extend([0; 2]);
+    }
+    bytes
+}
+
+fn ply(format: &str) -> Vec<u8> {
+    let mut bytes = format!(
+        "ply\nformat {format} 1.0\nelement vertex 8\nproperty double x\nproperty double y\n\
+         property double z\nelement face 6\nproperty list uchar int vertex_index\nend_header\n"
+    )
+    .into_bytes();
+    if format == "ascii" {
+        bytes.extend((text_points() + &text_quads()).bytes());
+        return bytes;
+    }
+    let big = format.contains("big");
+    for c in points().into_iter().flatten() {
+        bytes.extend(if big { c.to_be_bytes() } else { c.to_le_bytes() });
+    }
+    for quad in QUADS {
+        bytes.push(4);
+        quad.iter().for_each(|v| bytes.extend(if big { v.to_be_bytes() } else { v.to_le_bytes() }));
+    }
+    bytes
+}
+
+/// Positions, then indices as 16 bits.
+fn gltf_buffer() -> Vec<u8> {
+    let positions = points().into_iter().flatten().flat_map(|c| (c as f32).to_le_bytes());
+    let indices = triangles().into_iter().flatten().flat_map(|v| (v as u16).to_le_bytes());
+    positions.chain(indices).collect()
+}
+
+fn gltf_json(uri: Option<&str>) -> String {
+    let uri = uri.map(|uri| format!("\"uri\":\"{uri}\",")).unwrap_or_default();
+    format!(
+        "{{\"asset\":{{\"version\":\"2.0\"}},\"scene\":0,\"scenes\":[{{\"nodes\":[0]}}],\
+         \"nodes\":[{{\"mesh\":0}}],\"meshes\":[{{\"primitives\":[{{\"attributes\":{{\"POSITION\":0}},\
+         \"indices\":1}}]}}],\"accessors\":[{{\"bufferView\":0,\"componentType\":5126,\"count\":8,\
+         \"type\":\"VEC3\"}},{{\"bufferView\":1,\"componentType\":5123,\"count\":36,\"type\":\"SCALAR\"}}],\
+         \"bufferViews\":[{{\"buffer\":0,\"byteLength\":96}},{{\"buffer\":0,\"byteOffset\":96,\
+         \"byteLength\":72}}],\"buffers\":[{{{uri}\"byteLength\":168}}]}}"
+    )
+}
+
+pub fn gltf_external(uri: &str) -> (String, Vec<u8>) {
+    (gltf_json(Some(uri)), gltf_buffer())
+}
+
+fn data_uri(bytes: &[u8]) -> String {
+    format!("data:application/octet-stream;base64,{}", BASE64_STANDARD.encode(bytes))
+}
+
+fn glb() -> Vec<u8> {
+    let mut json = gltf_json(None).into_bytes();
+    json.resize(json.len().next_multiple_of(4), b' ');
+    let buffer = gltf_buffer();
+    let mut bytes = b"glTF".to_vec();
+    bytes.extend(2u32.to_le_bytes());
+    bytes.extend((28 + json.len() as u32 + buffer.len() as u32).to_le_bytes());
+    for (kind, chunk) in [(b"JSON", &json), (b"BIN\0", &buffer)] {
+        bytes.extend((chunk.len() as u32).to_le_bytes());
+        bytes.extend(kind);
+        bytes.extend(chunk);
+    }
+    bytes
+}
+
+/// A unit square as a strip and as a fan under a node scaled by 2, and the fan again, mirrored.
+/// The fan's positions are a sparse accessor without a buffer view.
+pub fn gltf_scene() -> Vec<u8> {
+    let square = [[0f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
+    let mut buffer: Vec<u8> = square.iter().flatten().flat_map(|c| c.to_le_bytes()).collect();
+    // Sparse: items 1, 2 and 3 of the fan; item 0 stays at the origin.
+    buffer.extend([1u8, 2, 3, 0]);
+    for c in [square[1], square[3], square[2]].iter().flatten() {
+        buffer.extend(c.to_le_bytes());
+    }
+    format!(
+        "{{\"asset\":{{\"version\":\"2.0\"}},\"scenes\":[{{\"nodes\":[0,2]}}],\"nodes\":[\
+         {{\"children\":[1],\"scale\":[2,2,2],\"rotation\":[0,0,0.7071067811865476,0.7071067811865476]}},\
+         {{\"mesh\":0,\"translation\":[0,0,1]}},{{\"mesh\":1,\"matrix\":[-1,0,0,0,0,1,0,0,0,0,1,0,-9,0,0,1]}}],\
+         \"meshes\":[{{\"primitives\":[{{\"attributes\":{{\"POSITION\":0}},\"mode\":5}},\
+         {{\"attributes\":{{\"POSITION\":1}},\"mode\":6}},{{\"attributes\":{{\"POSITION\":0}},\"mode\":1}}]}},\
+         {{\"primitives\":[{{\"attributes\":{{\"POSITION\":1}},\"mode\":6}}]}}],\
+         \"accessors\":[{{\"bufferView\":0,\"componentType\":5126,\"count\":4,\"type\":\"VEC3\"}},\
+         {{\"componentType\":5126,\"count\":4,\"type\":\"VEC3\",\"sparse\":{{\"count\":3,\
+         \"indices\":{{\"bufferView\":1,\"componentType\":5121}},\"values\":{{\"bufferView\":2}}}}}}],\
+         \"bufferViews\":[{{\"buffer\":0,\"byteLength\":48}},{{\"buffer\":0,\"byteOffset\":48,\"byteLength\":3}},\
+         {{\"buffer\":0,\"byteOffset\":52,\"byteLength\":36}}],\
+         \"buffers\":[{{\"uri\":\"{}\",\"byteLength\":{}}}]}}",
+        data_uri(&buffer),
+        buffer.len()
+    )
+    .into_bytes()
+}
+
+fn zip(files: &[(&str, String)], method: zip::CompressionMethod) -> Vec<u8> {
+    let mut writer = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
+    let options = zip::write::SimpleFileOptions::default().compression_method(method);
+    for (name, text) in files {
+        writer.start_file(*name, options).unwrap();
+        writer.write_all(text.as_bytes()).unwrap();
+    }
+    writer.finish().unwrap().into_inner()
+}
+
+const RELS: &str = "<?xml version=\"1.0\"?><Relationships xmlns=\"http://schemas.openxmlformats.org/package/2006/\
+    relationships\"><Relationship Target=\"/3D/main.model\" Id=\"r\" Type=\"http://schemas.microsoft.com/\
+    3dmanufacturing/2013/01/3dmodel\"/></Relationships>";
+
+fn threemf_object(id: u32) -> String {
+    let mut text = format!("<object id=\"{id}\" type=\"model\"><mesh><vertices>");
+    points().iter().for_each(|p| {
+        write!(text, "<vertex x=\"{}\" y=\"{}\" z=\"{}\"/>", p[0], p[1], p[2]).unwrap();
+    });
+    text += "</vertices><triangles>";
+    triangles().iter().for_each(|t| {
+        write!(text, "<triangle v1=\"{}\" v2=\"{}\" v3=\"{}\"/>", t[0], t[1], t[2]).unwrap();
+    });
+    text + "</triangles></mesh></object>"
+}
+
+fn threemf(unit: &str, resources: &str, build: &str) -> String {
+    format!(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?><model unit=\"{unit}\" xmlns=\"http://schemas.microsoft.com/\
+         3dmanufacturing/core/2015/02\"><resources>{resources}</resources><build>{build}</build></model>"
+    )
+}
+
+/// The box, the box doubled in x, and from another part the box mirrored; in inches.
+pub fn threemf_assembly() -> Vec<u8> {
+    let components = "<basematerials id=\"9\"><base name=\"a\" displaycolor=\"#FFFFFF\"/></basematerials>\
+        <object id=\"2\"><components><component objectid=\"1\" transform=\"2 0 0 0 1 0 0 0 1 50 0 0\"/>\
+        <component objectid=\"7\" p:path=\"/3D/other.model\" transform=\"1 0 0 0 1 0 0 0 -1 0 50 0\"/>\
+        </components></object>";
+    let resources = threemf_object(1) + components;
+    let main = threemf("inch", &resources, "<item objectid=\"1\"/><item objectid=\"2\"/>");
+    let other = threemf("inch", &threemf_object(7), "");
+    let files = [("_rels/.rels", RELS.into()), ("3D/other.model", other), ("3D/main.model", main)];
+    zip(&files, zip::CompressionMethod::Deflated)
+}
+
+/// Forty objects, each twice the one before it.
+pub fn threemf_bomb() -> Vec<u8> {
+    let mut resources = threemf_object(1);
+    for id in 2..42 {
+        let half = format!("<component objectid=\"{}\"/>", id - 1);
+        write!(resources, "<object id=\"{id}\"><components>{half}{half}</components></object>").unwrap();
+    }
+    let main = threemf("millimeter", &resources, "<item objectid=\"41\"/>");
+    zip(&[("_rels/.rels", RELS.into()), ("3D/main.model", main)], zip::CompressionMethod::Deflated)
+}
+
+fn vtk_ascii() -> Vec<u8> {
+    format!(
+        "# vtk DataFile Version 3.0\nbox\nASCII\nDATASET POLYDATA\nPOINTS 8 double\n{}POLYGONS 6 30\n{}\
+         POINT_DATA 8\nSCALARS s float 1\nLOOKUP_TABLE default\n0 0 0 0 0 0 0 0\n",
+        text_points(),
+        text_quads()
+    )
+    .into_bytes()
+}
+
+/// Version 5.1, a hexahedron.
+fn vtk_binary() -> Vec<u8> {
+    let mut bytes =
+        b"# vtk DataFile Version 5.1\nbox\nBINARY\nDATASET UNSTRUCTURED_GRID\nFIELD FieldData 1\n\
+        TIME 1 1 double\n\0\0\0\0\0\0\0\0\nPOINTS 8 float\n"
+            .to_vec();
+    points().iter().flatten().for_each(|&c| bytes.extend((c as f32).to_be_bytes()));
+    bytes.extend(b"\nMETADATA\nINFORMATION 0\n\nCELLS 2 8\nOFFSETS vtktypeint64\n");
+    [0i64, 8].iter().for_each(|v| bytes.extend(v.to_be_bytes()));
+    bytes.extend(b"\nCONNECTIVITY vtktypeint64\n");
+    [0i64, 1, 3, 2, 4, 5, 7, 6].iter().for_each(|v| bytes.extend(v.to_be_bytes()));
+    bytes.extend(b"\nCELL_TYPES 1\n\0\0\0\x0C\n");
+    bytes
+}
+
+fn vtp_ascii() -> Vec<u8> {
+    let quads = QUADS.iter().flatten().fold(String::new(), |s, v| s + &format!("{v} "));
+    format!(
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"0.1\" byte_order=\"LittleEndian\">\n<PolyData>\
+         \n<Piece NumberOfPoints=\"8\" NumberOfPolys=\"6\">\n<PointData/>\n<Points>\n<DataArray type=\"Float64\" \
+         NumberOfComponents=\"3\" format=\"ascii\">\n{}</DataArray>\n</Points>\n<Polys>\n<DataArray type=\"Int32\" \
+         Name=\"connectivity\" format=\"ascii\">\n{quads}\n</DataArray>\n<DataArray type=\"Int32\" Name=\"offsets\" \
+         format=\"ascii\">\n4 8 12 16 20 24\n</DataArray>\n</Polys>\n</Piece>\n</PolyData>\n</VTKFile>\n",
+        text_points()
+    )
+    .into_bytes()
+}
+
+/// A voxel; its arrays are packed by `pack`.
+fn vtu(attributes: &str, format: &str, pack: impl Fn(&[u8]) -> Vec<u8>) -> Vec<u8> {
+    let data: [Vec<u8>; 4] = [
+        points().iter().flatten().flat_map(|c| c.to_le_bytes()).collect(),
+        (0..8i64).flat_map(|v| v.to_le_bytes()).collect(),
+        8i64.to_le_bytes().to_vec(),
+        vec![11],
+    ];
+    let heads = [("Float64", "Points"), ("Int64", "connectivity"), ("Int64", "offsets"), ("UInt8", "types")];
+    let mut appended = b"_".to_vec();
+    let mut arrays: Vec<String> = Vec::new();
+    for ((kind, name), data) in heads.iter().zip(&data) {
+        let head = format!(
+            "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"3\" format=\"{format}\""
+        );
+        let packed = pack(data);
+        arrays.push(match format {
+            "appended" => format!("{head} offset=\"{}\"/>\n", appended.len() - 1),
+            _ => format!("{head}>\n{}\n</DataArray>\n", String::from_utf8(packed.clone()).unwrap()),
+        });
+        appended.extend(packed);
+    }
+    let mut bytes = format!(
+        "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" {attributes}>\n\
+         <UnstructuredGrid>\n<Piece NumberOfPoints=\"8\" NumberOfCells=\"1\">\n<Points>\n{}</Points>\n<Cells>\n\
+         {}{}{}</Cells>\n</Piece>\n</UnstructuredGrid>\n",
+        arrays[0], arrays[1], arrays[2], arrays[3]
+    )
+    .into_bytes();
+    if format == "appended" {
+        bytes.extend(b"<AppendedData encoding=\"raw\">\n");
+        bytes.extend(appended);
+        bytes.extend(b"\n</AppendedData>\n");
+    }
+    bytes.extend(b"</VTKFile>\n");
+    bytes
+}
+
+fn raw_block(data: &[u8]) -> Vec<u8> {
+    [&(data.len() as u64).to_le_bytes()[..], data].concat()
+}
+
+/// Blocks of 100 bytes.
+fn zlib_block(data: &[u8]) -> Vec<u8> {
+    let (mut sizes, mut packed) = (Vec::new(), Vec::new());
+    for block in data.chunks(100) {
+        let mut encoder = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::default());
+        encoder.write_all(block).unwrap();
+        let block = encoder.finish().unwrap();
+        sizes.push(block.len() as u32);
+        packed.extend(block);
+    }
+    let head = [sizes.len() as u32, 100, (data.len() % 100) as u32];
+    let head: Vec<u8> = head.iter().chain(&sizes).flat_map(|v| v.to_le_bytes()).collect();
+    (BASE64_STANDARD.encode(head) + &BASE64_STANDARD.encode(packed)).into_bytes()
+}
+
+/// Every array is said to have 600 blocks of 1 MB of zeros, of 1 kB each.
+pub fn vtu_bomb() -> Vec<u8> {
+    let mut encoder = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::best());
+    encoder.write_all(&vec![0; 1_000_000]).unwrap();
+    let block = encoder.finish().unwrap();
+    let count = 600;
+    let sizes = vec![block.len() as u32; count];
+    let head = [count as u32, 1_000_000, 0];
+    let head: Vec<u8> = head.iter().chain(&sizes).flat_map(|v| v.to_le_bytes()).collect();
+    let packed = BASE64_STANDARD.encode(head) + &BASE64_STANDARD.encode(block.repeat(count));
+    vtu("compressor=\"vtkZLibDataCompressor\"", "binary", |_| packed.clone().into_bytes())
+}
+
+pub fn boxes() -> Vec<Sample> {
+    let off = format!("OFF\n# box\n8 6 12\n{}{}", text_points(), text_quads()).into_bytes();
+    let vtu_zlib = "compressor=\"vtkZLibDataCompressor\"";
+    let build = threemf("millimeter", &threemf_object(1), "<item objectid=\"1\"/>");
+    let files = [("_rels/.rels", RELS.into()), ("3D/main.model", build)];
+    let base64 = |data: &[u8]| BASE64_STANDARD.encode(raw_block(data)).into_bytes();
+    let samples = [
+        ("OBJ", MeshFormat::Obj, obj()),
+        ("STL ASCII", MeshFormat::Stl, stl_ascii("solid box")),
+        ("STL ASCII, no name", MeshFormat::Stl, stl_ascii("solid")),
+        ("STL binary", MeshFormat::Stl, stl_binary()),
+        ("PLY ASCII", MeshFormat::Ply, ply("ascii")),
+        ("PLY little endian", MeshFormat::Ply, ply("binary_little_endian")),
+        ("PLY big endian", MeshFormat::Ply, ply("binary_big_endian")),
+        ("OFF", MeshFormat::Off, off),
+        ("glTF", MeshFormat::Gltf, gltf_json(Some(&data_uri(&gltf_buffer()))).into_bytes()),
+        ("GLB", MeshFormat::Glb, glb()),
+        ("3MF deflated", MeshFormat::ThreeMf, zip(&files, zip::CompressionMethod::Deflated)),
+        ("3MF stored", MeshFormat::ThreeMf, zip(&files, zip::CompressionMethod::Stored)),
+        ("VTK ASCII polygons", MeshFormat::Vtk, vtk_ascii()),
+        ("VTK binary 5.1 hexahedron", MeshFormat::Vtk, vtk_binary()),
+        ("VTP ASCII", MeshFormat::Vtp, vtp_ascii()),
+        ("VTU base64", MeshFormat::Vtu, vtu("header_type=\"UInt64\"", "binary", base64)),
+        ("VTU raw", MeshFormat::Vtu, vtu("header_type=\"UInt64\"", "appended", raw_block)),
+        ("VTU zlib", MeshFormat::Vtu, vtu(vtu_zlib, "binary", zlib_block)),
+    ];
+    samples.map(|(name, format, bytes)| Sample { name, format, bytes }).into()
+}
