@@ -1,1 +1,4 @@
 //! Bakes triangle meshes into volume maps.
+
+pub mod mesh;
+pub mod sdf;

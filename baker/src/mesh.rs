@@ -1,0 +1,13 @@
+//! What a mesh is made of, what is wrong with it, and turning its triangles the same way.
+//!
+//! `topology` sorts the edges, `parts` splits the mesh, `nesting` finds what lies inside what,
+//! `diagnosis` reports all of it and `orientation` repairs the direction of the triangles.
+
+pub mod diagnosis;
+pub mod nesting;
+pub mod orientation;
+pub mod parts;
+pub mod topology;
+
+pub use diagnosis::{Diagnosis, diagnose};
+pub use orientation::{OrientationRepair, orient};

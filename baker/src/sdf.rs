@@ -1,0 +1,18 @@
+//! Exact signed distance to a triangle mesh.
+//!
+//! `bvh` finds the closest triangle, `closest_point` the point and the feature of it, `pseudonormal`
+//! or `winding` the side, and `mesh_distance` puts them together. `sign` decides which of the two
+//! signs a mesh can bear. `brute_force` is the slow twin that the tests compare with.
+
+pub mod brute_force;
+pub mod bvh;
+mod bvh_build;
+pub mod closest_point;
+pub mod mesh_distance;
+pub mod pseudonormal;
+pub mod sign;
+pub mod winding;
+
+pub use closest_point::{Closest, Feature};
+pub use mesh_distance::MeshDistance;
+pub use sign::{SignComparison, SignMethod, choose_sign, compare_signs};
