@@ -4,6 +4,7 @@ use glam::DVec3;
 use serde::Serialize;
 use volmap_formats::mesh::TriangleMesh;
 
+use crate::mesh::boundary::{BoundaryLoop, boundary_loops};
 use crate::mesh::nesting::{Nesting, find_nesting};
 use crate::mesh::parts::{Bounds, Parts, corners, surplus};
 use crate::mesh::topology::{DisjointSets, HalfEdge, Topology};
@@ -29,19 +30,6 @@ impl Defect {
             self.places.push(place.to_array());
         }
     }
-}
-
-/// The rim of a hole.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct BoundaryLoop {
-    /// Number of edges.
-    pub edges: usize,
-    /// Sum of their lengths.
-    pub length: f64,
-    /// Mean of the edges' middles, weighted by length.
-    pub centroid: [f64; 3],
-    /// The loop's box.
-    pub bounds: Bounds,
 }
 
 /// All that is found out about a mesh. Components are sets of triangles connected by edges.
@@ -113,9 +101,10 @@ pub fn diagnose_with(mesh: &TriangleMesh, topology: &Topology) -> Diagnosis {
     let (label, components) = topology.components();
     let parts = Parts::new(mesh, topology, &label, components);
     let edges = examine_edges(mesh, topology);
-    let fans = Fans::new(mesh, topology);
-    let non_manifold_vertices = fans.non_manifold_vertices(mesh);
-    let (boundary_loop_count, boundary_loops) = boundary_loops(mesh, topology, fans);
+    let non_manifold_vertices = non_manifold_vertices(mesh, topology);
+    let mut boundary_loops = boundary_loops(mesh, topology);
+    let boundary_loop_count = boundary_loops.len();
+    boundary_loops.truncate(MAX_LOOPS);
     let nesting = find_nesting(mesh, &parts);
     let vertices = used_vertices(mesh);
     let closed = edges.boundary.count == 0 && edges.non_manifold.count == 0;
@@ -209,42 +198,31 @@ fn middle(mesh: &TriangleMesh, edge: &HalfEdge) -> DVec3 {
     a * 0.5 + b * 0.5
 }
 
-/// Corners of triangles, joined where they are at the same vertex and their triangles share an edge
-/// there: the fans around the vertices.
-struct Fans {
-    corners: DisjointSets,
-}
-
-impl Fans {
-    fn new(mesh: &TriangleMesh, topology: &Topology) -> Fans {
-        let mut corners = DisjointSets::new(3 * mesh.triangles.len());
-        for edge in topology.edges() {
-            let [lower, upper] = end_corners(&edge[0]);
-            for half in &edge[1..] {
-                let [other_lower, other_upper] = end_corners(half);
-                corners.union(lower, other_lower);
-                corners.union(upper, other_upper);
-            }
+/// Corners at the same vertex are joined where their triangles share an edge there: into the fans around
+/// the vertices.
+fn non_manifold_vertices(mesh: &TriangleMesh, topology: &Topology) -> Defect {
+    let mut corners = DisjointSets::new(3 * mesh.triangles.len());
+    for edge in topology.edges() {
+        let [lower, upper] = end_corners(&edge[0]);
+        for half in &edge[1..] {
+            let [other_lower, other_upper] = end_corners(half);
+            corners.union(lower, other_lower);
+            corners.union(upper, other_upper);
         }
-        Fans { corners }
     }
-
-    fn non_manifold_vertices(&self, mesh: &TriangleMesh) -> Defect {
-        let mut fans = vec![0u32; mesh.vertices.len()];
-        let mut sets = self.corners.clone();
-        for (i, &vertex) in mesh.triangles.iter().flatten().enumerate() {
-            if sets.find(i as u32) == i as u32 {
-                fans[vertex as usize] += 1;
-            }
+    let mut fans = vec![0u32; mesh.vertices.len()];
+    for (i, &vertex) in mesh.triangles.iter().flatten().enumerate() {
+        if corners.find(i as u32) == i as u32 {
+            fans[vertex as usize] += 1;
         }
-        let mut defect = Defect::default();
-        for (vertex, &count) in mesh.vertices.iter().zip(&fans) {
-            if count > 1 {
-                defect.add(DVec3::from(*vertex));
-            }
-        }
-        defect
     }
+    let mut defect = Defect::default();
+    for (vertex, &count) in mesh.vertices.iter().zip(&fans) {
+        if count > 1 {
+            defect.add(DVec3::from(*vertex));
+        }
+    }
+    defect
 }
 
 /// Corners of the half-edge's triangle at the edge's lower and upper vertex.
@@ -252,46 +230,6 @@ fn end_corners(half: &HalfEdge) -> [u32; 2] {
     let from = (3 * half.face() + half.side()) as u32;
     let to = (3 * half.face() + (half.side() + 1) % 3) as u32;
     if half.forward() { [from, to] } else { [to, from] }
-}
-
-/// Boundary edges that meet in a fan belong to one loop, so loops that touch at a vertex stay apart.
-fn boundary_loops(mesh: &TriangleMesh, topology: &Topology, fans: Fans) -> (usize, Vec<BoundaryLoop>) {
-    let mut sets = fans.corners;
-    let boundary = || topology.edges().filter(|edge| edge.len() == 1);
-    for edge in boundary() {
-        let [lower, upper] = end_corners(&edge[0]);
-        sets.union(lower, upper);
-    }
-    let mut members: Vec<(u32, &HalfEdge)> = boundary()
-        .map(|edge| (sets.find(end_corners(&edge[0])[0]), &edge[0]))
-        .collect();
-    members.sort_by_key(|member| member.0);
-    let mut loops: Vec<BoundaryLoop> = members
-        .chunk_by(|a, b| a.0 == b.0)
-        .map(|edges| measure_loop(mesh, edges))
-        .collect();
-    loops.sort_by(|a, b| b.length.total_cmp(&a.length));
-    let count = loops.len();
-    loops.truncate(MAX_LOOPS);
-    (count, loops)
-}
-
-fn measure_loop(mesh: &TriangleMesh, edges: &[(u32, &HalfEdge)]) -> BoundaryLoop {
-    let mut bounds = Bounds::EMPTY;
-    let (mut length, mut weighted) = (0.0, DVec3::ZERO);
-    for (_, edge) in edges {
-        let [a, b] = ends(mesh, edge);
-        bounds.grow(a);
-        bounds.grow(b);
-        length += a.distance(b);
-        weighted += a.distance(b) * (a * 0.5 + b * 0.5);
-    }
-    BoundaryLoop {
-        edges: edges.len(),
-        length,
-        centroid: (weighted / length).to_array(),
-        bounds,
-    }
 }
 
 fn zero_area_triangles(mesh: &TriangleMesh) -> Defect {

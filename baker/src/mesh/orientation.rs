@@ -170,10 +170,8 @@ fn turned_patches(mesh: &TriangleMesh, parts: &Parts, repair: &mut OrientationRe
     let inside_out = |i: usize| parts.list[i].balanced && parts.list[i].volume < 0.0;
     (0..parts.list.len())
         .map(|i| {
-            let outermost = nesting.containers[i]
-                .iter()
-                .map(|&outer| outer as usize)
-                .find(|&outer| is_outermost(outer));
+            let outermost =
+                nesting.containers[i].iter().map(|&outer| outer as usize).find(|&outer| is_outermost(outer));
             let turned = inside_out(outermost.unwrap_or(i)) && (is_outermost(i) || outermost.is_some());
             repair.turned_patches += usize::from(turned && outermost.is_none());
             repair.turned_along += usize::from(turned && outermost.is_some());

@@ -76,10 +76,7 @@ impl Bvh {
     }
 
     fn search(&self, p: DVec3, local: [f32; 3], bound_squared: f64) -> ClosestTriangle {
-        let mut best = ClosestTriangle {
-            distance_squared: bound_squared,
-            triangle: NOTHING,
-        };
+        let mut best = ClosestTriangle { distance_squared: bound_squared, triangle: NOTHING };
         let mut reach = self.frame.reach(local, bound_squared);
         let local = local.map(f32x4::splat);
         // Squared distance to the box in the upper half (floats of one sign order like integers), the
@@ -123,10 +120,7 @@ impl Bvh {
         for (distance_squared, triangle) in distances.to_array().into_iter().zip(self.ids[block]) {
             let closer = distance_squared < best.distance_squared;
             if closer || distance_squared == best.distance_squared && triangle < best.triangle {
-                *best = ClosestTriangle {
-                    distance_squared,
-                    triangle,
-                };
+                *best = ClosestTriangle { distance_squared, triangle };
             }
         }
         best.distance_squared < before
@@ -134,10 +128,7 @@ impl Bvh {
 
     /// For points so far away that the tree cannot help, or that are not numbers.
     fn closest_of_all(&self, p: DVec3) -> ClosestTriangle {
-        let mut best = ClosestTriangle {
-            distance_squared: f64::INFINITY,
-            triangle: NOTHING,
-        };
+        let mut best = ClosestTriangle { distance_squared: f64::INFINITY, triangle: NOTHING };
         for block in 0..self.blocks.len() {
             self.visit_leaf(block, p, &mut best);
         }

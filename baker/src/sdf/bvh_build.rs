@@ -25,10 +25,7 @@ struct Bounds {
     upper: [f32; 3],
 }
 
-const EMPTY: Bounds = Bounds {
-    lower: [f32::INFINITY; 3],
-    upper: [f32::NEG_INFINITY; 3],
-};
+const EMPTY: Bounds = Bounds { lower: [f32::INFINITY; 3], upper: [f32::NEG_INFINITY; 3] };
 
 /// A triangle's box and its index.
 #[derive(Clone, Copy, Debug)]
@@ -50,10 +47,7 @@ pub(crate) fn build(triangles: &[[DVec3; 3]]) -> Bvh {
     let mut items: Vec<Item> = triangles
         .iter()
         .enumerate()
-        .map(|(i, triangle)| Item {
-            bounds: local_bounds(triangle, &frame),
-            triangle: i as u32,
-        })
+        .map(|(i, triangle)| Item { bounds: local_bounds(triangle, &frame), triangle: i as u32 })
         .collect();
     let tree = build_node(&mut items, 0);
     let mut rest = items.as_mut_slice();
@@ -63,12 +57,7 @@ pub(crate) fn build(triangles: &[[DVec3; 3]]) -> Bvh {
         .map(|&size| rest.split_off_mut(..size.into()).expect("leaves hold all items"))
         .collect();
     let (blocks, ids) = leaves.into_par_iter().map(|leaf| block(leaf, triangles)).unzip();
-    Bvh {
-        nodes: tree.nodes,
-        blocks,
-        ids,
-        frame,
-    }
+    Bvh { nodes: tree.nodes, blocks, ids, frame }
 }
 
 /// A leaf's triangles, in the order of the mesh.
@@ -92,10 +81,7 @@ fn frame_of(triangles: &[[DVec3; 3]]) -> Frame {
     }
     let size = (upper * 0.5 - lower * 0.5).max_element();
     let exponent = size.log2().ceil().clamp(-1000.0, 1000.0);
-    Frame {
-        centre: lower * 0.5 + upper * 0.5,
-        scale: (-exponent).exp2(),
-    }
+    Frame { centre: lower * 0.5 + upper * 0.5, scale: (-exponent).exp2() }
 }
 
 /// The triangle's box in the frame, rounded outwards.
@@ -130,9 +116,7 @@ fn build_node(items: &mut [Item], depth: usize) -> Subtree {
         }
     }
     tree.nodes.push(node);
-    let build_part = |part: &mut &mut [Item]| {
-        (part.len() > LEAF_SIZE).then(|| build_node(part, depth + 1))
-    };
+    let build_part = |part: &mut &mut [Item]| (part.len() > LEAF_SIZE).then(|| build_node(part, depth + 1));
     let mut parts = parts;
     let children: Vec<Option<Subtree>> = if count > PARALLEL_SIZE {
         parts.par_iter_mut().map(build_part).collect()
@@ -266,11 +250,7 @@ struct Binning {
 impl Binning {
     fn new(centres: &Bounds, axis: usize) -> Binning {
         let width = centres.upper[axis] - centres.lower[axis];
-        Binning {
-            axis,
-            lower: centres.lower[axis],
-            factor: BINS as f32 / width,
-        }
+        Binning { axis, lower: centres.lower[axis], factor: BINS as f32 / width }
     }
 
     #[inline]
@@ -311,10 +291,7 @@ impl Bounds {
 
     #[inline]
     fn grow_by_point(&mut self, point: [f32; 3]) {
-        self.grow(&Bounds {
-            lower: point,
-            upper: point,
-        });
+        self.grow(&Bounds { lower: point, upper: point });
     }
 
     #[inline]

@@ -8,7 +8,7 @@ use crate::mesh::topology::Topology;
 use crate::sdf::bvh::Bvh;
 use crate::sdf::closest_point::{Closest, closest_point_on_triangle};
 use crate::sdf::pseudonormal::Pseudonormals;
-use crate::sdf::sign::{SignChoice, SignMethod, choose_sign};
+use crate::sdf::sign::{SignChoice, SignMethod, choose_sign, compare_signs, points_near_surface};
 use crate::sdf::winding::WindingNumbers;
 
 /// A mesh, ready for queries from any number of threads.
@@ -27,27 +27,40 @@ impl MeshDistance {
     /// otherwise), and its diagnosis, which decides where `sign` is `Auto`.
     pub fn new(mesh: &TriangleMesh, sign: SignMethod, diagnosis: &Diagnosis) -> MeshDistance {
         let vertices: Vec<DVec3> = mesh.vertices.iter().map(|&v| DVec3::from(v)).collect();
-        let corners: Vec<[DVec3; 3]> = mesh
-            .triangles
-            .iter()
-            .map(|triangle| triangle.map(|v| vertices[v as usize]))
-            .collect();
+        let corners: Vec<[DVec3; 3]> =
+            mesh.triangles.iter().map(|triangle| triangle.map(|v| vertices[v as usize])).collect();
         let topology = Topology::new(&mesh.triangles);
         let bvh = Bvh::new(&corners);
         let choice = match sign {
             SignMethod::Auto => choose_sign(diagnosis),
-            method => SignChoice {
-                method,
-                reason: "as asked for".to_string(),
-            },
+            method => SignChoice { method, reason: "as asked for".to_string() },
         };
-        MeshDistance {
+        let mut distance = MeshDistance {
             pseudonormals: Pseudonormals::new(&vertices, &mesh.triangles, &topology),
             winding: WindingNumbers::new(&bvh),
             triangles: mesh.triangles.clone(),
             vertices,
             bvh,
             choice,
+        };
+        if sign == SignMethod::Auto && distance.choice.method == SignMethod::Pseudonormal {
+            distance.verify_pseudonormals(&corners);
+        }
+        distance
+    }
+
+    /// Falls back to winding numbers where both signs don't agree all over the surface.
+    fn verify_pseudonormals(&mut self, corners: &[[DVec3; 3]]) {
+        let comparison = compare_signs(self, &points_near_surface(corners));
+        if comparison.disagreeing > 0 {
+            self.choice = SignChoice {
+                method: SignMethod::Winding,
+                reason: format!(
+                    "winding number, because pseudonormals disagree with it at {} of {} points near the \
+                     surface: it seems to intersect itself",
+                    comparison.disagreeing, comparison.points
+                ),
+            };
         }
     }
 
@@ -105,9 +118,7 @@ impl MeshDistance {
     /// Side of the surface by the pseudonormal at the closest point; by the winding number where that
     /// is too close to call.
     pub fn inside_by_pseudonormal(&self, p: DVec3, closest: &Closest) -> bool {
-        self.pseudonormals
-            .inside(p, closest, &self.triangles)
-            .unwrap_or_else(|| self.inside_by_winding(p))
+        self.pseudonormals.inside(p, closest, &self.triangles).unwrap_or_else(|| self.inside_by_winding(p))
     }
 
     /// Inside where the winding number is above one half.

@@ -71,6 +71,58 @@ pub struct SignComparison {
     pub bounds: Option<Bounds>,
 }
 
+/// Triangles at whose centroids the signs are compared, at most.
+const MAX_CENTROIDS: usize = 1 << 16;
+/// Points spread evenly over the area.
+const SPREAD_POINTS: usize = 1 << 13;
+
+/// Points on both sides of the surface, a little off it: at the triangles' centroids, and, as a few large
+/// triangles may hide what happens between, spread over the area.
+pub fn points_near_surface(corners: &[[DVec3; 3]]) -> Vec<DVec3> {
+    let mut lower = DVec3::INFINITY;
+    let mut upper = DVec3::NEG_INFINITY;
+    for corner in corners.iter().flatten() {
+        lower = lower.min(*corner);
+        upper = upper.max(*corner);
+    }
+    let size = (upper - lower).length();
+    let stride = corners.len().div_ceil(MAX_CENTROIDS);
+    let centroids =
+        corners.iter().step_by(stride).map(|triangle| (at_weights(triangle, 1.0 / 3.0, 1.0 / 3.0), triangle));
+    centroids
+        .chain(spread_over_area(corners))
+        .enumerate()
+        .flat_map(|(i, (point, [a, b, c]))| {
+            let normal = (b - a).cross(c - a).normalize_or_zero();
+            let offset = normal * size * [1e-5, 1e-3, 2e-2][i % 3];
+            [point - offset, point + offset]
+        })
+        .collect()
+}
+
+/// Points at equal steps of summed area, at weights inside their triangles that fill these evenly: the
+/// plastic number's sequence of Roberts 2018.
+fn spread_over_area(corners: &[[DVec3; 3]]) -> Vec<(DVec3, &[DVec3; 3])> {
+    let area = |[a, b, c]: &[DVec3; 3]| (b - a).cross(c - a).length();
+    let step = corners.iter().map(area).sum::<f64>() / SPREAD_POINTS as f64;
+    let mut points = Vec::with_capacity(SPREAD_POINTS);
+    let mut summed = 0.0;
+    for triangle in corners {
+        summed += area(triangle);
+        while points.len() < SPREAD_POINTS && (points.len() as f64 + 0.5) * step < summed {
+            let k = points.len() as f64;
+            let (u, v) = ((k * 0.754877666246693).fract(), (k * 0.569840290998053).fract());
+            let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+            points.push((at_weights(triangle, u, v), triangle));
+        }
+    }
+    points
+}
+
+fn at_weights([a, b, c]: &[DVec3; 3], u: f64, v: f64) -> DVec3 {
+    *a + (*b - *a) * u + (*c - *a) * v
+}
+
 /// Compares both signs at the points.
 pub fn compare_signs(distance: &MeshDistance, points: &[DVec3]) -> SignComparison {
     let mut found: Vec<(DVec3, f64)> = points
@@ -87,11 +139,7 @@ pub fn compare_signs(distance: &MeshDistance, points: &[DVec3]) -> SignCompariso
     SignComparison {
         points: points.len(),
         disagreeing: found.len(),
-        worst: found
-            .iter()
-            .take(MAX_WORST)
-            .map(|(p, d)| (p.to_array(), *d))
-            .collect(),
+        worst: found.iter().take(MAX_WORST).map(|(p, d)| (p.to_array(), *d)).collect(),
         bounds: (!found.is_empty()).then_some(bounds),
     }
 }
