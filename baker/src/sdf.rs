@@ -8,6 +8,7 @@ pub mod brute_force;
 pub mod bvh;
 mod bvh_build;
 pub mod closest_point;
+mod coarse_block;
 pub mod mesh_distance;
 pub mod pseudonormal;
 pub mod sign;

@@ -11,6 +11,7 @@ use wide::f32x4;
 
 use crate::sdf::bvh_build;
 use crate::sdf::closest_point::TriangleBlock;
+use crate::sdf::coarse_block::CoarseBlock;
 
 /// Marks a child that is a leaf; the other bits are the index of its block.
 pub(crate) const LEAF: u32 = 1 << 31;
@@ -34,6 +35,8 @@ pub(crate) struct Node {
 pub struct Bvh {
     pub(crate) nodes: Vec<Node>,
     pub(crate) blocks: Vec<TriangleBlock>,
+    /// The same in single precision.
+    pub(crate) coarse: Vec<CoarseBlock>,
     /// Index in the mesh of each block's triangles.
     pub(crate) ids: Vec<[u32; 4]>,
     pub(crate) frame: Frame,
@@ -77,7 +80,8 @@ impl Bvh {
 
     fn search(&self, p: DVec3, local: [f32; 3], bound_squared: f64) -> ClosestTriangle {
         let mut best = ClosestTriangle { distance_squared: bound_squared, triangle: NOTHING };
-        let mut reach = self.frame.reach(local, bound_squared);
+        let slack = Frame::slack(local);
+        let mut radius = self.frame.radius(bound_squared, slack);
         let local = local.map(f32x4::splat);
         // Squared distance to the box in the upper half (floats of one sign order like integers), the
         // child in the lower: one comparison sorts both, the same way on every machine.
@@ -86,21 +90,21 @@ impl Bvh {
         while top > 0 {
             top -= 1;
             let entry = stack[top];
-            if f32::from_bits((entry >> 32) as u32) > reach {
+            if f32::from_bits((entry >> 32) as u32) > radius * radius {
                 continue;
             }
             let child = entry as u32;
             if child & LEAF != 0 {
-                if self.visit_leaf((child & !LEAF) as usize, p, &mut best) {
-                    let raw = [local[0], local[1], local[2]].map(|x| x.as_array()[0]);
-                    reach = self.frame.reach(raw, best.distance_squared);
+                let block = (child & !LEAF) as usize;
+                if self.coarse[block].may_reach(&local, radius) && self.visit_leaf(block, p, &mut best) {
+                    radius = self.frame.radius(best.distance_squared, slack);
                 }
                 continue;
             }
             let node = &self.nodes[child as usize];
             let distance = box_distance_squared(node, &local);
             let keys = sorted_keys(distance.to_array(), node.child);
-            let near = distance.simd_le(f32x4::splat(reach)).to_bitmask().count_ones() as usize;
+            let near = distance.simd_le(f32x4::splat(radius * radius)).to_bitmask().count_ones() as usize;
             for key in keys[..near].iter().rev() {
                 stack[top] = *key;
                 top += 1;
@@ -175,13 +179,18 @@ impl Frame {
         ((p - self.centre) * self.scale).to_array().map(|x| x as f32)
     }
 
-    /// Squared search radius in the frame, rounded up by more than a box test can err: the query point
-    /// by half a unit in its last place, and a few roundings in the sum.
-    #[inline]
-    fn reach(&self, local: [f32; 3], distance_squared: f64) -> f32 {
+    /// By how much a distance in the frame can be too long in single precision, other than relatively:
+    /// the query point is rounded by half a unit in its last place.
+    fn slack(local: [f32; 3]) -> f64 {
         let size = local[0].abs().max(local[1].abs()).max(local[2].abs());
-        let slack = 2e-7 * f64::from(size) + 1e-30;
-        let radius = distance_squared.sqrt() * self.scale + slack;
-        ((radius * radius * (1.0 + 1e-6)) as f32).min(f32::MAX)
+        2e-7 * f64::from(size) + 1e-15
+    }
+
+    /// Search radius in the frame, rounded up by more than a box test can err. Its square is finite, so
+    /// that an empty box, at infinity, is beyond it.
+    #[inline]
+    fn radius(&self, distance_squared: f64, slack: f64) -> f32 {
+        let radius = (distance_squared.sqrt() * self.scale + slack) * (1.0 + 1e-6);
+        (radius as f32).min(1.8e19)
     }
 }

@@ -11,6 +11,7 @@ use wide::f32x4;
 
 use crate::sdf::bvh::{Bvh, Frame, LEAF, MAX_DEPTH, Node};
 use crate::sdf::closest_point::TriangleBlock;
+use crate::sdf::coarse_block::CoarseBlock;
 
 const BINS: usize = 16;
 const LEAF_SIZE: usize = 4;
@@ -56,8 +57,10 @@ pub(crate) fn build(triangles: &[[DVec3; 3]]) -> Bvh {
         .iter()
         .map(|&size| rest.split_off_mut(..size.into()).expect("leaves hold all items"))
         .collect();
-    let (blocks, ids) = leaves.into_par_iter().map(|leaf| block(leaf, triangles)).unzip();
-    Bvh { nodes: tree.nodes, blocks, ids, frame }
+    let (blocks, ids): (Vec<TriangleBlock>, _) =
+        leaves.into_par_iter().map(|leaf| block(leaf, triangles)).unzip();
+    let coarse = blocks.par_iter().map(|block| CoarseBlock::new(block, &frame)).collect();
+    Bvh { nodes: tree.nodes, blocks, coarse, ids, frame }
 }
 
 /// A leaf's triangles, in the order of the mesh.
