@@ -15,5 +15,5 @@ pub mod sign;
 pub mod winding;
 
 pub use closest_point::{Closest, Feature};
-pub use mesh_distance::MeshDistance;
-pub use sign::{SignComparison, SignMethod, choose_sign, compare_signs};
+pub use mesh_distance::{KnownDistance, MeshDistance};
+pub use sign::{SignComparison, SignMethod, choose_sign, compare_signs, points_near_surface};

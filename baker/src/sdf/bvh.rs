@@ -146,8 +146,8 @@ impl Bvh {
 #[inline(always)]
 fn box_distance_squared(node: &Node, p: &[f32x4; 3]) -> f32x4 {
     let mut sum = f32x4::ZERO;
-    for axis in 0..3 {
-        let outside = (node.lower[axis] - p[axis]).fast_max(p[axis] - node.upper[axis]);
+    for (axis, &x) in p.iter().enumerate() {
+        let outside = (node.lower[axis] - x).fast_max(x - node.upper[axis]);
         let outside = outside.fast_max(f32x4::ZERO);
         sum += outside * outside;
     }

@@ -8,7 +8,7 @@ use crate::mesh::topology::Topology;
 use crate::sdf::bvh::Bvh;
 use crate::sdf::closest_point::{Closest, closest_point_on_triangle};
 use crate::sdf::pseudonormal::Pseudonormals;
-use crate::sdf::sign::{SignChoice, SignMethod, choose_sign, compare_signs, points_near_surface};
+use crate::sdf::sign::{SignChoice, SignMethod, choose_sign};
 use crate::sdf::winding::WindingNumbers;
 
 /// A mesh, ready for queries from any number of threads.
@@ -20,6 +20,16 @@ pub struct MeshDistance {
     pseudonormals: Pseudonormals,
     winding: WindingNumbers,
     choice: SignChoice,
+    balanced: bool,
+}
+
+/// A point where the signed distance is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct KnownDistance {
+    /// The point.
+    pub point: DVec3,
+    /// Its distance, negative inside.
+    pub signed_distance: f64,
 }
 
 impl MeshDistance {
@@ -35,32 +45,14 @@ impl MeshDistance {
             SignMethod::Auto => choose_sign(diagnosis),
             method => SignChoice { method, reason: "as asked for".to_string() },
         };
-        let mut distance = MeshDistance {
+        MeshDistance {
             pseudonormals: Pseudonormals::new(&vertices, &mesh.triangles, &topology),
             winding: WindingNumbers::new(&bvh),
             triangles: mesh.triangles.clone(),
             vertices,
             bvh,
             choice,
-        };
-        if sign == SignMethod::Auto && distance.choice.method == SignMethod::Pseudonormal {
-            distance.verify_pseudonormals(&corners);
-        }
-        distance
-    }
-
-    /// Falls back to winding numbers where both signs don't agree all over the surface.
-    fn verify_pseudonormals(&mut self, corners: &[[DVec3; 3]]) {
-        let comparison = compare_signs(self, &points_near_surface(corners));
-        if comparison.disagreeing > 0 {
-            self.choice = SignChoice {
-                method: SignMethod::Winding,
-                reason: format!(
-                    "winding number, because pseudonormals disagree with it at {} of {} points near the \
-                     surface: it seems to intersect itself",
-                    comparison.disagreeing, comparison.points
-                ),
-            };
+            balanced: diagnosis.balanced,
         }
     }
 
@@ -99,6 +91,20 @@ impl MeshDistance {
         if self.inside(p, &closest) { -distance } else { distance }
     }
 
+    /// `signed_distance`, faster where it is `known` at a point not far away. Distance changes by no more
+    /// than the way between the points; and where that is shorter than the distance itself, there is no
+    /// surface between them, so that a mesh with integer winding numbers has one side there. The result
+    /// is the same whatever is known.
+    pub fn signed_distance_near(&self, p: DVec3, known: &KnownDistance) -> f64 {
+        let way = p.distance(known.point);
+        let known_distance = known.signed_distance.abs();
+        let closest = self.closest_within(p, known_distance + way);
+        let distance = closest.distance_squared.sqrt();
+        let same_side = self.balanced && way < known_distance * (1.0 - 1e-9);
+        let inside = if same_side { known.signed_distance < 0.0 } else { self.inside(p, &closest) };
+        if inside { -distance } else { distance }
+    }
+
     /// -1 inside, 1 outside.
     pub fn sign(&self, p: DVec3) -> f64 {
         let inside = match self.choice.method {
@@ -123,7 +129,7 @@ impl MeshDistance {
 
     /// Inside where the winding number is above one half.
     pub fn inside_by_winding(&self, p: DVec3) -> bool {
-        self.winding.inside(&self.bvh, p)
+        self.winding.inside(&self.bvh, p, self.balanced)
     }
 
     /// Winding number around `p`, by all triangles.

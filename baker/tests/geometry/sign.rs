@@ -1,6 +1,10 @@
+use std::f64::consts::TAU;
+
 use glam::DVec3;
 use volmap_baker::mesh::{diagnose, orient};
-use volmap_baker::sdf::{Feature, MeshDistance, SignMethod, choose_sign, compare_signs};
+use volmap_baker::sdf::{
+    Feature, KnownDistance, MeshDistance, SignMethod, choose_sign, compare_signs, points_near_surface,
+};
 use volmap_formats::mesh::TriangleMesh;
 
 use crate::shapes::{self, Random};
@@ -75,7 +79,7 @@ fn signs_agree_on_clean_surfaces() {
     let mut random = Random(3);
     for mesh in &meshes {
         let diagnosis = diagnose(mesh);
-        assert_eq!(choose_sign(&diagnosis).method, SignMethod::Pseudonormal);
+        assert!(choose_sign(&diagnosis).reason.contains("exact"));
         let distance = with_method(mesh, SignMethod::Auto);
         let (lower, upper) = (DVec3::from(diagnosis.bounds.lower), DVec3::from(diagnosis.bounds.upper));
         let mut points: Vec<DVec3> = (0..2_000).map(|_| random.point(lower - 0.1, upper + 0.1)).collect();
@@ -123,12 +127,78 @@ fn a_solid_in_a_solid_gets_winding_numbers() {
     assert!(distance.signed_distance(DVec3::new(0.2, 0.0, 0.0)) < 0.0);
 }
 
-/// One component that passes through itself: the torus of small major radius.
+/// Middle of the tube below where it has gone around by the angle 2 u: radius and height.
+fn coil(u: f64) -> (f64, f64) {
+    (1.0 + 0.15 * u.cos(), 0.15 * u.sin())
+}
+
+/// A closed tube of radius 0.3 that goes around the z axis twice, and overlaps itself all along.
+fn coiled_tube() -> TriangleMesh {
+    let (around, along) = (160, 40);
+    let mut mesh = shapes::torus(1.0, 0.3, around, along);
+    for (i, vertex) in mesh.vertices.iter_mut().enumerate() {
+        let u = (i as u32 / along) as f64 / f64::from(around) * TAU;
+        let v = (i as u32 % along) as f64 / f64::from(along) * TAU;
+        let (radius, height) = coil(u);
+        let radius = radius + 0.3 * v.cos();
+        *vertex = [radius * (2.0 * u).cos(), radius * (2.0 * u).sin(), height + 0.3 * v.sin()];
+    }
+    mesh
+}
+
+/// One component that passes through itself: inside the tube, close to where its other turn has its
+/// surface, pseudonormals say outside.
 #[test]
-fn a_component_through_itself_gets_winding_numbers() {
-    let mesh = shapes::torus(0.3, 1.0, 60, 40);
-    assert_eq!(choose_sign(&diagnose(&mesh)).method, SignMethod::Pseudonormal);
+fn a_component_through_itself_is_a_union() {
+    let mesh = coiled_tube();
+    let diagnosis = diagnose(&mesh);
+    assert!(diagnosis.components == 1 && diagnosis.closed && diagnosis.oriented);
     let distance = with_method(&mesh, SignMethod::Auto);
-    let choice = distance.sign_choice();
-    assert_eq!(choice.method, SignMethod::Winding, "{}", choice.reason);
+    let mut random = Random(5);
+    for _ in 0..3_000 {
+        let p = random.point(DVec3::new(-1.6, -1.6, -0.6), DVec3::new(1.6, 1.6, 0.6));
+        let exact = [0.0, TAU / 2.0].map(|turn| {
+            let (radius, height) = coil(p.y.atan2(p.x) / 2.0 + turn);
+            (p.x.hypot(p.y) - radius).hypot(p.z - height) - 0.3
+        });
+        let exact = exact[0].min(exact[1]);
+        if exact.abs() > 0.01 {
+            assert_eq!(distance.signed_distance(p) < 0.0, exact < 0.0, "{p}");
+        }
+    }
+    let near = points_near_surface(&shapes::corners(&mesh));
+    assert!(compare_signs(&distance, &near).disagreeing > 1_000);
+}
+
+/// Trust is told apart: closed, open, and scrambled.
+#[test]
+fn choice_says_how_far_it_can_be_trusted() {
+    let reason = |mesh: &TriangleMesh| choose_sign(&diagnose(mesh)).reason;
+    assert!(reason(&shapes::icosphere(1)).contains("exact"));
+    assert!(reason(&shapes::open_cylinder(9, 1.0)).contains("holes"));
+    let mut scrambled = shapes::icosphere(1);
+    scrambled.triangles[3].swap(0, 1);
+    assert!(reason(&scrambled).contains("doubtful"));
+}
+
+/// Along a line of steps of all sizes, what is known of the last point changes nothing.
+#[test]
+fn known_distances_change_nothing() {
+    let sphere = shapes::icosphere(3);
+    let open = shapes::open_cylinder(24, 1.0);
+    let overlap = shapes::merged(&[sphere.clone(), shapes::moved(sphere, 1.0, DVec3::X)]);
+    for mesh in [overlap, open, shapes::torus(1.0, 0.4, 40, 20)] {
+        let distance = with_method(&mesh, SignMethod::Auto);
+        let mut random = Random(6);
+        let mut point = DVec3::splat(-1.5);
+        let mut signed_distance = distance.signed_distance(point);
+        for k in 0..3_000 {
+            let step = [0.01, 0.1, 1.0][k % 3];
+            let next = random.point(DVec3::splat(-step), DVec3::splat(step)) + point * 0.97;
+            let known = KnownDistance { point, signed_distance };
+            let found = distance.signed_distance_near(next, &known);
+            assert_eq!(found, distance.signed_distance(next), "{next}");
+            (point, signed_distance) = (next, found);
+        }
+    }
 }
