@@ -22,8 +22,11 @@ pub struct BoundaryLoop {
 
 /// All boundary loops, the longest first. Each passes a vertex once: loops that touch are apart.
 pub fn boundary_loops(mesh: &TriangleMesh, topology: &Topology) -> Vec<BoundaryLoop> {
-    let edges: Vec<[u32; 2]> =
-        topology.edges().filter(|edge| edge.len() == 1).map(|edge| [edge[0].lower, edge[0].upper]).collect();
+    let edges: Vec<[u32; 2]> = topology
+        .edges()
+        .filter(|edge| edge.len() == 1)
+        .map(|edge| [edge[0].lower, edge[0].upper])
+        .collect();
     let mut loops: Vec<BoundaryLoop> = simple_loops(&edges)
         .iter()
         .map(|members| measure(mesh, members.iter().map(|&edge| edges[edge])))
@@ -44,7 +47,9 @@ impl Walk<'_> {
     /// Takes the first edge at `vertex` that hasn't been walked, and returns it and its other end.
     fn step(&mut self, vertex: u32) -> Option<(usize, u32)> {
         let first = self.incidences.partition_point(|i| i.0 < vertex);
-        let at_vertex = self.incidences[first..].iter().take_while(|i| i.0 == vertex);
+        let at_vertex = self.incidences[first..]
+            .iter()
+            .take_while(|i| i.0 == vertex);
         let edge = at_vertex.map(|i| i.1).find(|&edge| !self.walked[edge])?;
         self.walked[edge] = true;
         let [a, b] = self.edges[edge];
@@ -55,10 +60,17 @@ impl Walk<'_> {
 /// Walks along the edges and cuts a loop off whenever the way crosses itself. A way that ends, as can
 /// happen where edges have three faces, counts as a loop too.
 fn simple_loops(edges: &[[u32; 2]]) -> Vec<Vec<usize>> {
-    let mut incidences: Vec<(u32, usize)> =
-        edges.iter().enumerate().flat_map(|(i, edge)| edge.map(|v| (v, i))).collect();
+    let mut incidences: Vec<(u32, usize)> = edges
+        .iter()
+        .enumerate()
+        .flat_map(|(i, edge)| edge.map(|v| (v, i)))
+        .collect();
     incidences.sort_unstable();
-    let mut walk = Walk { edges, incidences, walked: vec![false; edges.len()] };
+    let mut walk = Walk {
+        edges,
+        incidences,
+        walked: vec![false; edges.len()],
+    };
     let highest = edges.iter().flatten().max().map_or(0, |&v| v as usize + 1);
     const NOT_ON_WAY: usize = usize::MAX;
     let mut place_on_way = vec![NOT_ON_WAY; highest];
@@ -80,7 +92,9 @@ fn simple_loops(edges: &[[u32; 2]]) -> Vec<Vec<usize>> {
                 }
             }
         }
-        vertices.iter().for_each(|&vertex| place_on_way[vertex as usize] = NOT_ON_WAY);
+        vertices
+            .iter()
+            .for_each(|&vertex| place_on_way[vertex as usize] = NOT_ON_WAY);
         if !way.is_empty() {
             loops.push(way);
         }

@@ -229,7 +229,11 @@ fn non_manifold_vertices(mesh: &TriangleMesh, topology: &Topology) -> Defect {
 fn end_corners(half: &HalfEdge) -> [u32; 2] {
     let from = (3 * half.face() + half.side()) as u32;
     let to = (3 * half.face() + (half.side() + 1) % 3) as u32;
-    if half.forward() { [from, to] } else { [to, from] }
+    if half.forward() {
+        [from, to]
+    } else {
+        [to, from]
+    }
 }
 
 fn zero_area_triangles(mesh: &TriangleMesh) -> Defect {

@@ -35,23 +35,33 @@ impl Nesting {
 /// Looks at all pairs of balanced parts with overlapping boxes.
 pub fn find_nesting(mesh: &TriangleMesh, parts: &Parts) -> Nesting {
     let (pairs, complete) = overlapping_boxes(parts);
-    let mut nesting =
-        Nesting { containers: vec![Vec::new(); parts.list.len()], overlapping: Vec::new(), complete };
+    let mut nesting = Nesting {
+        containers: vec![Vec::new(); parts.list.len()],
+        overlapping: Vec::new(),
+        complete,
+    };
     // Grouped by the outer part, so that each part's tree is built once.
     let groups: Vec<&[(u32, u32)]> = pairs.chunk_by(|a, b| a.0 == b.0).collect();
-    let found: Vec<Vec<Position>> = groups.par_iter().map(|group| positions(mesh, parts, group)).collect();
+    let found: Vec<Vec<Position>> = groups
+        .par_iter()
+        .map(|group| positions(mesh, parts, group))
+        .collect();
     for (&(outer, inner), position) in pairs.iter().zip(found.iter().flatten()) {
         match position {
             Position::Inside => nesting.containers[inner as usize].push(outer),
             // Each pair comes both ways round; it may still be the other way that nests.
-            Position::Apart => nesting.overlapping.push((outer.min(inner), outer.max(inner))),
+            Position::Apart => nesting
+                .overlapping
+                .push((outer.min(inner), outer.max(inner))),
         }
     }
     nesting.overlapping.sort_unstable();
     nesting.overlapping.dedup();
     let containers = &nesting.containers;
     let nested = |a: u32, b: u32| containers[a as usize].binary_search(&b).is_ok();
-    nesting.overlapping.retain(|&(a, b)| !nested(a, b) && !nested(b, a));
+    nesting
+        .overlapping
+        .retain(|&(a, b)| !nested(a, b) && !nested(b, a));
     nesting
 }
 
@@ -63,8 +73,9 @@ enum Position {
 
 /// Ordered pairs (outer, inner) of balanced parts with overlapping boxes, by a sweep along x.
 fn overlapping_boxes(parts: &Parts) -> (Vec<(u32, u32)>, bool) {
-    let mut order: Vec<u32> =
-        (0..parts.list.len() as u32).filter(|&i| parts.list[i as usize].balanced).collect();
+    let mut order: Vec<u32> = (0..parts.list.len() as u32)
+        .filter(|&i| parts.list[i as usize].balanced)
+        .collect();
     let bounds = |i: u32| &parts.list[i as usize].bounds;
     order.sort_by(|&i, &j| bounds(i).lower[0].total_cmp(&bounds(j).lower[0]));
     let mut pairs = Vec::new();
@@ -96,8 +107,11 @@ fn positions(mesh: &TriangleMesh, parts: &Parts, pairs: &[(u32, u32)]) -> Vec<Po
     if !pairs.iter().any(|&(_, inner)| fits(inner)) {
         return vec![Position::Apart; pairs.len()];
     }
-    let triangles: Vec<[DVec3; 3]> =
-        parts.triangles(outer).iter().map(|&triangle| corners(mesh, triangle as usize)).collect();
+    let triangles: Vec<[DVec3; 3]> = parts
+        .triangles(outer)
+        .iter()
+        .map(|&triangle| corners(mesh, triangle as usize))
+        .collect();
     let bvh = Bvh::new(&triangles);
     let winding = WindingNumbers::new(&bvh);
     // Three quarters: a point on the outer surface, with about one half, is not inside.
@@ -106,13 +120,21 @@ fn positions(mesh: &TriangleMesh, parts: &Parts, pairs: &[(u32, u32)]) -> Vec<Po
         .iter()
         .map(|&(_, inner)| {
             let inside = fits(inner) && samples(mesh, parts, inner as usize).all(is_inside);
-            if inside { Position::Inside } else { Position::Apart }
+            if inside {
+                Position::Inside
+            } else {
+                Position::Apart
+            }
         })
         .collect()
 }
 
 /// A few corners, spread over the part's triangles.
-fn samples<'a>(mesh: &'a TriangleMesh, parts: &'a Parts, i: usize) -> impl Iterator<Item = DVec3> + 'a {
+fn samples<'a>(
+    mesh: &'a TriangleMesh,
+    parts: &'a Parts,
+    i: usize,
+) -> impl Iterator<Item = DVec3> + 'a {
     let triangles = parts.triangles(i);
     let count = SAMPLES.min(triangles.len());
     (0..count).map(move |k| corners(mesh, triangles[k * triangles.len() / count] as usize)[k % 3])

@@ -40,12 +40,20 @@ pub fn orient(mesh: &mut TriangleMesh) -> OrientationRepair {
     let (label, count) = patches(&topology, mesh.triangles.len());
     let mut repair = OrientationRepair::default();
     let mut flip = consistent_flips(mesh, &topology, (&label, count), &mut repair);
-    for (triangle, _) in mesh.triangles.iter_mut().zip(&flip).filter(|(_, flip)| **flip) {
+    for (triangle, _) in mesh
+        .triangles
+        .iter_mut()
+        .zip(&flip)
+        .filter(|(_, flip)| **flip)
+    {
         triangle.swap(1, 2);
     }
     let topology = Topology::new(&mesh.triangles);
     let parts = Parts::new(mesh, &topology, &label, count);
-    for (part, turned) in turned_patches(mesh, &parts, &mut repair).into_iter().enumerate() {
+    for (part, turned) in turned_patches(mesh, &parts, &mut repair)
+        .into_iter()
+        .enumerate()
+    {
         for &triangle in parts.triangles(part).iter().filter(|_| turned) {
             mesh.triangles[triangle as usize].swap(1, 2);
             flip[triangle as usize] ^= true;
@@ -170,9 +178,12 @@ fn turned_patches(mesh: &TriangleMesh, parts: &Parts, repair: &mut OrientationRe
     let inside_out = |i: usize| parts.list[i].balanced && parts.list[i].volume < 0.0;
     (0..parts.list.len())
         .map(|i| {
-            let outermost =
-                nesting.containers[i].iter().map(|&outer| outer as usize).find(|&outer| is_outermost(outer));
-            let turned = inside_out(outermost.unwrap_or(i)) && (is_outermost(i) || outermost.is_some());
+            let outermost = nesting.containers[i]
+                .iter()
+                .map(|&outer| outer as usize)
+                .find(|&outer| is_outermost(outer));
+            let turned =
+                inside_out(outermost.unwrap_or(i)) && (is_outermost(i) || outermost.is_some());
             repair.turned_patches += usize::from(turned && outermost.is_none());
             repair.turned_along += usize::from(turned && outermost.is_some());
             turned

@@ -17,7 +17,10 @@ pub struct Bounds {
 
 impl Bounds {
     /// The box around nothing: from infinity to minus infinity.
-    pub const EMPTY: Bounds = Bounds { lower: [f64::INFINITY; 3], upper: [f64::NEG_INFINITY; 3] };
+    pub const EMPTY: Bounds = Bounds {
+        lower: [f64::INFINITY; 3],
+        upper: [f64::NEG_INFINITY; 3],
+    };
 
     /// Extends the box to a point.
     pub fn grow(&mut self, point: DVec3) {
@@ -64,8 +67,14 @@ impl Parts {
     pub fn new(mesh: &TriangleMesh, topology: &Topology, label: &[u32], count: usize) -> Parts {
         let (order, starts) = group(label, count);
         let balanced = balanced_parts(topology, label, count);
-        let list = (0..count).map(|i| measure(mesh, &order[starts[i]..starts[i + 1]], balanced[i])).collect();
-        Parts { list, order, starts }
+        let list = (0..count)
+            .map(|i| measure(mesh, &order[starts[i]..starts[i + 1]], balanced[i]))
+            .collect();
+        Parts {
+            list,
+            order,
+            starts,
+        }
     }
 
     /// The triangles of part `i`, in the order of the mesh.
@@ -112,7 +121,9 @@ fn balanced_parts(topology: &Topology, label: &[u32], count: usize) -> Vec<bool>
 
 /// How much more often an edge is run through forwards than backwards.
 pub fn surplus<'a>(half_edges: impl Iterator<Item = &'a HalfEdge>) -> i64 {
-    half_edges.map(|half| if half.forward() { 1 } else { -1 }).sum()
+    half_edges
+        .map(|half| if half.forward() { 1 } else { -1 })
+        .sum()
 }
 
 fn measure(mesh: &TriangleMesh, triangles: &[u32], balanced: bool) -> Part {
@@ -127,5 +138,10 @@ fn measure(mesh: &TriangleMesh, triangles: &[u32], balanced: bool) -> Part {
         area += 0.5 * (b - a).cross(c - a).length();
         volume += a.dot(b.cross(c)) / 6.0;
     }
-    Part { area, volume, bounds, balanced }
+    Part {
+        area,
+        volume,
+        bounds,
+        balanced,
+    }
 }

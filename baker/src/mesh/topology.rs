@@ -59,7 +59,11 @@ impl Topology {
             }
         }
         starts.push(half_edges.len() as u32);
-        Topology { half_edges, starts, face_count: triangles.len() }
+        Topology {
+            half_edges,
+            starts,
+            face_count: triangles.len(),
+        }
     }
 
     /// Number of edges.
@@ -69,7 +73,9 @@ impl Topology {
 
     /// For each edge, its half-edges; edges in the order of their vertices, half-edges of their faces.
     pub fn edges(&self) -> impl Iterator<Item = &[HalfEdge]> {
-        self.starts.windows(2).map(|range| &self.half_edges[range[0] as usize..range[1] as usize])
+        self.starts
+            .windows(2)
+            .map(|range| &self.half_edges[range[0] as usize..range[1] as usize])
     }
 
     /// The face across each side of each face, `NO_FACE` at edges that don't have exactly two.
@@ -100,7 +106,11 @@ impl Topology {
 fn half_edge(face: usize, side: usize, triangle: &[u32; 3]) -> HalfEdge {
     let (from, to) = (triangle[side], triangle[(side + 1) % 3]);
     let code = ((face as u64) << 2 | side as u64) << 1 | u64::from(from > to);
-    HalfEdge { lower: from.min(to), upper: from.max(to), code }
+    HalfEdge {
+        lower: from.min(to),
+        upper: from.max(to),
+        code,
+    }
 }
 
 /// Union-find; the lowest member stands for its set.
@@ -112,7 +122,9 @@ pub struct DisjointSets {
 impl DisjointSets {
     /// Sets of one member each.
     pub fn new(count: usize) -> DisjointSets {
-        DisjointSets { parent: (0..count as u32).collect() }
+        DisjointSets {
+            parent: (0..count as u32).collect(),
+        }
     }
 
     /// The lowest member of the set of `i`.

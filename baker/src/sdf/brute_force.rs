@@ -24,6 +24,9 @@ pub fn closest(triangles: &[[DVec3; 3]], p: DVec3) -> Closest {
 
 /// Winding number of all triangles around `p`; O(n).
 pub fn winding_number(triangles: &[[DVec3; 3]], p: DVec3) -> f64 {
-    let sum: f64 = triangles.iter().map(|corners| solid_angle(p, corners)).sum();
+    let sum: f64 = triangles
+        .iter()
+        .map(|corners| solid_angle(p, corners))
+        .sum();
     sum / (4.0 * std::f64::consts::PI)
 }

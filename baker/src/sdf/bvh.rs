@@ -79,7 +79,10 @@ impl Bvh {
     }
 
     fn search(&self, p: DVec3, local: [f32; 3], bound_squared: f64) -> ClosestTriangle {
-        let mut best = ClosestTriangle { distance_squared: bound_squared, triangle: NOTHING };
+        let mut best = ClosestTriangle {
+            distance_squared: bound_squared,
+            triangle: NOTHING,
+        };
         let slack = Frame::slack(local);
         let mut radius = self.frame.radius(bound_squared, slack);
         let local = local.map(f32x4::splat);
@@ -96,7 +99,9 @@ impl Bvh {
             let child = entry as u32;
             if child & LEAF != 0 {
                 let block = (child & !LEAF) as usize;
-                if self.coarse[block].may_reach(&local, radius) && self.visit_leaf(block, p, &mut best) {
+                if self.coarse[block].may_reach(&local, radius)
+                    && self.visit_leaf(block, p, &mut best)
+                {
                     radius = self.frame.radius(best.distance_squared, slack);
                 }
                 continue;
@@ -104,7 +109,10 @@ impl Bvh {
             let node = &self.nodes[child as usize];
             let distance = box_distance_squared(node, &local);
             let keys = sorted_keys(distance.to_array(), node.child);
-            let near = distance.simd_le(f32x4::splat(radius * radius)).to_bitmask().count_ones() as usize;
+            let near = distance
+                .simd_le(f32x4::splat(radius * radius))
+                .to_bitmask()
+                .count_ones() as usize;
             for key in keys[..near].iter().rev() {
                 stack[top] = *key;
                 top += 1;
@@ -124,7 +132,10 @@ impl Bvh {
         for (distance_squared, triangle) in distances.to_array().into_iter().zip(self.ids[block]) {
             let closer = distance_squared < best.distance_squared;
             if closer || distance_squared == best.distance_squared && triangle < best.triangle {
-                *best = ClosestTriangle { distance_squared, triangle };
+                *best = ClosestTriangle {
+                    distance_squared,
+                    triangle,
+                };
             }
         }
         best.distance_squared < before
@@ -132,7 +143,10 @@ impl Bvh {
 
     /// For points so far away that the tree cannot help, or that are not numbers.
     fn closest_of_all(&self, p: DVec3) -> ClosestTriangle {
-        let mut best = ClosestTriangle { distance_squared: f64::INFINITY, triangle: NOTHING };
+        let mut best = ClosestTriangle {
+            distance_squared: f64::INFINITY,
+            triangle: NOTHING,
+        };
         for block in 0..self.blocks.len() {
             self.visit_leaf(block, p, &mut best);
         }
@@ -176,7 +190,9 @@ pub(crate) struct Frame {
 
 impl Frame {
     pub fn local(&self, p: DVec3) -> [f32; 3] {
-        ((p - self.centre) * self.scale).to_array().map(|x| x as f32)
+        ((p - self.centre) * self.scale)
+            .to_array()
+            .map(|x| x as f32)
     }
 
     /// By how much a distance in the frame can be too long in single precision, other than relatively:

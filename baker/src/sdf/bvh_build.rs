@@ -26,7 +26,10 @@ struct Bounds {
     upper: [f32; 3],
 }
 
-const EMPTY: Bounds = Bounds { lower: [f32::INFINITY; 3], upper: [f32::NEG_INFINITY; 3] };
+const EMPTY: Bounds = Bounds {
+    lower: [f32::INFINITY; 3],
+    upper: [f32::NEG_INFINITY; 3],
+};
 
 /// A triangle's box and its index.
 #[derive(Clone, Copy, Debug)]
@@ -48,19 +51,36 @@ pub(crate) fn build(triangles: &[[DVec3; 3]]) -> Bvh {
     let mut items: Vec<Item> = triangles
         .iter()
         .enumerate()
-        .map(|(i, triangle)| Item { bounds: local_bounds(triangle, &frame), triangle: i as u32 })
+        .map(|(i, triangle)| Item {
+            bounds: local_bounds(triangle, &frame),
+            triangle: i as u32,
+        })
         .collect();
     let tree = build_node(&mut items, 0);
     let mut rest = items.as_mut_slice();
     let leaves: Vec<&mut [Item]> = tree
         .leaf_sizes
         .iter()
-        .map(|&size| rest.split_off_mut(..size.into()).expect("leaves hold all items"))
+        .map(|&size| {
+            rest.split_off_mut(..size.into())
+                .expect("leaves hold all items")
+        })
         .collect();
-    let (blocks, ids): (Vec<TriangleBlock>, _) =
-        leaves.into_par_iter().map(|leaf| block(leaf, triangles)).unzip();
-    let coarse = blocks.par_iter().map(|block| CoarseBlock::new(block, &frame)).collect();
-    Bvh { nodes: tree.nodes, blocks, coarse, ids, frame }
+    let (blocks, ids): (Vec<TriangleBlock>, _) = leaves
+        .into_par_iter()
+        .map(|leaf| block(leaf, triangles))
+        .unzip();
+    let coarse = blocks
+        .par_iter()
+        .map(|block| CoarseBlock::new(block, &frame))
+        .collect();
+    Bvh {
+        nodes: tree.nodes,
+        blocks,
+        coarse,
+        ids,
+        frame,
+    }
 }
 
 /// A leaf's triangles, in the order of the mesh.
@@ -84,7 +104,10 @@ fn frame_of(triangles: &[[DVec3; 3]]) -> Frame {
     }
     let size = (upper * 0.5 - lower * 0.5).max_element();
     let exponent = size.log2().ceil().clamp(-1000.0, 1000.0);
-    Frame { centre: lower * 0.5 + upper * 0.5, scale: (-exponent).exp2() }
+    Frame {
+        centre: lower * 0.5 + upper * 0.5,
+        scale: (-exponent).exp2(),
+    }
 }
 
 /// The triangle's box in the frame, rounded outwards.
@@ -119,7 +142,8 @@ fn build_node(items: &mut [Item], depth: usize) -> Subtree {
         }
     }
     tree.nodes.push(node);
-    let build_part = |part: &mut &mut [Item]| (part.len() > LEAF_SIZE).then(|| build_node(part, depth + 1));
+    let build_part =
+        |part: &mut &mut [Item]| (part.len() > LEAF_SIZE).then(|| build_node(part, depth + 1));
     let mut parts = parts;
     let children: Vec<Option<Subtree>> = if count > PARALLEL_SIZE {
         parts.par_iter_mut().map(build_part).collect()
@@ -140,7 +164,11 @@ impl Subtree {
     fn append(&mut self, mut other: Subtree) -> u32 {
         let (node_offset, block_offset) = (self.nodes.len() as u32, self.leaf_sizes.len() as u32);
         for child in other.nodes.iter_mut().flat_map(|node| &mut node.child) {
-            *child += if *child & LEAF != 0 { block_offset } else { node_offset };
+            *child += if *child & LEAF != 0 {
+                block_offset
+            } else {
+                node_offset
+            };
         }
         self.nodes.append(&mut other.nodes);
         self.leaf_sizes.append(&mut other.leaf_sizes);
@@ -253,7 +281,11 @@ struct Binning {
 impl Binning {
     fn new(centres: &Bounds, axis: usize) -> Binning {
         let width = centres.upper[axis] - centres.lower[axis];
-        Binning { axis, lower: centres.lower[axis], factor: BINS as f32 / width }
+        Binning {
+            axis,
+            lower: centres.lower[axis],
+            factor: BINS as f32 / width,
+        }
     }
 
     #[inline]
@@ -294,7 +326,10 @@ impl Bounds {
 
     #[inline]
     fn grow_by_point(&mut self, point: [f32; 3]) {
-        self.grow(&Bounds { lower: point, upper: point });
+        self.grow(&Bounds {
+            lower: point,
+            upper: point,
+        });
     }
 
     #[inline]
@@ -311,6 +346,12 @@ impl Bounds {
 
     fn widest_axis(&self) -> usize {
         let width = |axis: usize| self.upper[axis] - self.lower[axis];
-        (0..3).fold(0, |best, axis| if width(axis) > width(best) { axis } else { best })
+        (0..3).fold(0, |best, axis| {
+            if width(axis) > width(best) {
+                axis
+            } else {
+                best
+            }
+        })
     }
 }

@@ -64,7 +64,11 @@ pub fn closest_point_on_triangle(p: DVec3, corners: &[DVec3; 3]) -> TrianglePoin
         Feature::Vertex(i) => corners[i as usize],
         _ => p + offset,
     };
-    TrianglePoint { distance_squared, point, feature }
+    TrianglePoint {
+        distance_squared,
+        point,
+        feature,
+    }
 }
 
 /// Squared distance, offset and feature of the point of the edge from `a` to `b` closest to the origin.
@@ -85,7 +89,11 @@ fn closest_on_edge(a: DVec3, b: DVec3, edge: u8) -> (f64, DVec3, Feature) {
 /// The origin's projection onto the face, where it falls inside.
 fn projection_on_face(a: DVec3, b: DVec3, c: DVec3) -> Option<DVec3> {
     let normal = (b - a).cross(c - a);
-    let weights = [normal.dot(b.cross(c)), normal.dot(c.cross(a)), normal.dot(a.cross(b))];
+    let weights = [
+        normal.dot(b.cross(c)),
+        normal.dot(c.cross(a)),
+        normal.dot(a.cross(b)),
+    ];
     let sum = weights[0] + weights[1] + weights[2];
     if weights.iter().any(|&w| w < 0.0) || sum <= 0.0 {
         return None;
@@ -108,7 +116,9 @@ impl TriangleBlock {
             let lane = |i: usize| triangles.get(i).map_or(last, |triangle| triangle[k]);
             Vec4::from_lanes([lane(0), lane(1), lane(2), lane(3)])
         };
-        TriangleBlock { corners: [corner(0), corner(1), corner(2)] }
+        TriangleBlock {
+            corners: [corner(0), corner(1), corner(2)],
+        }
     }
 
     /// The corners of the four triangles.
@@ -121,7 +131,11 @@ impl TriangleBlock {
     #[inline]
     pub fn distances_squared(&self, p: DVec3) -> f64x4 {
         let p = Vec4::splat(p);
-        let [a, b, c] = [self.corners[0] - p, self.corners[1] - p, self.corners[2] - p];
+        let [a, b, c] = [
+            self.corners[0] - p,
+            self.corners[1] - p,
+            self.corners[2] - p,
+        ];
         let edges = edge_distance_squared(a, b)
             .fast_min(edge_distance_squared(b, c))
             .fast_min(edge_distance_squared(c, a));
@@ -133,7 +147,8 @@ impl TriangleBlock {
         let inside = weight_a.fast_min(weight_b).fast_min(weight_c);
         let offset = (a.scale(weight_a) + b.scale(weight_b) + c.scale(weight_c))
             .scale(f64x4::ONE / sum.fast_max(f64x4::splat(f64::MIN_POSITIVE)));
-        let face = (inside.simd_ge(f64x4::ZERO) & sum.simd_gt(f64x4::ZERO)).select(offset.dot(offset), edges);
+        let face = (inside.simd_ge(f64x4::ZERO) & sum.simd_gt(f64x4::ZERO))
+            .select(offset.dot(offset), edges);
         face.fast_min(edges)
     }
 }
@@ -161,17 +176,29 @@ impl Vec4 {
     /// Four times the same vector.
     #[inline(always)]
     pub fn splat(v: DVec3) -> Vec4 {
-        Vec4 { x: f64x4::splat(v.x), y: f64x4::splat(v.y), z: f64x4::splat(v.z) }
+        Vec4 {
+            x: f64x4::splat(v.x),
+            y: f64x4::splat(v.y),
+            z: f64x4::splat(v.z),
+        }
     }
 
     /// Four vectors.
     pub fn from_lanes(v: [DVec3; 4]) -> Vec4 {
-        Vec4 { x: f64x4::new(v.map(|v| v.x)), y: f64x4::new(v.map(|v| v.y)), z: f64x4::new(v.map(|v| v.z)) }
+        Vec4 {
+            x: f64x4::new(v.map(|v| v.x)),
+            y: f64x4::new(v.map(|v| v.y)),
+            z: f64x4::new(v.map(|v| v.z)),
+        }
     }
 
     /// Vector i.
     pub fn lane(self, i: usize) -> DVec3 {
-        DVec3::new(self.x.as_array()[i], self.y.as_array()[i], self.z.as_array()[i])
+        DVec3::new(
+            self.x.as_array()[i],
+            self.y.as_array()[i],
+            self.z.as_array()[i],
+        )
     }
 
     /// Sets vector i.
@@ -183,7 +210,11 @@ impl Vec4 {
 
     /// The sum of the four.
     pub fn sum_lanes(self) -> DVec3 {
-        DVec3::new(self.x.reduce_add(), self.y.reduce_add(), self.z.reduce_add())
+        DVec3::new(
+            self.x.reduce_add(),
+            self.y.reduce_add(),
+            self.z.reduce_add(),
+        )
     }
 
     /// Dot products.
@@ -205,7 +236,11 @@ impl Vec4 {
     /// Each vector times its own factor.
     #[inline(always)]
     pub fn scale(self, s: f64x4) -> Vec4 {
-        Vec4 { x: self.x * s, y: self.y * s, z: self.z * s }
+        Vec4 {
+            x: self.x * s,
+            y: self.y * s,
+            z: self.z * s,
+        }
     }
 }
 
@@ -213,7 +248,11 @@ impl std::ops::Add for Vec4 {
     type Output = Vec4;
     #[inline(always)]
     fn add(self, o: Vec4) -> Vec4 {
-        Vec4 { x: self.x + o.x, y: self.y + o.y, z: self.z + o.z }
+        Vec4 {
+            x: self.x + o.x,
+            y: self.y + o.y,
+            z: self.z + o.z,
+        }
     }
 }
 
@@ -221,6 +260,10 @@ impl std::ops::Sub for Vec4 {
     type Output = Vec4;
     #[inline(always)]
     fn sub(self, o: Vec4) -> Vec4 {
-        Vec4 { x: self.x - o.x, y: self.y - o.y, z: self.z - o.z }
+        Vec4 {
+            x: self.x - o.x,
+            y: self.y - o.y,
+            z: self.z - o.z,
+        }
     }
 }

@@ -59,12 +59,17 @@ impl CoarseBlock {
             .fast_min(edge_distance_squared(b, c, bc))
             .fast_min(edge_distance_squared(c, a, ca));
         let normal = cross(ca, ab);
-        let weights = [dot(normal, cross(b, c)), dot(normal, cross(c, a)), dot(normal, cross(a, b))];
+        let weights = [
+            dot(normal, cross(b, c)),
+            dot(normal, cross(c, a)),
+            dot(normal, cross(a, b)),
+        ];
         let sum = weights[0] + weights[1] + weights[2];
         let inside = weights[0].fast_min(weights[1]).fast_min(weights[2]);
         let factor = f32x4::ONE / sum.fast_max(f32x4::splat(f32::MIN_POSITIVE));
-        let offset: [f32x4; 3] =
-            std::array::from_fn(|i| (a[i] * weights[0] + b[i] * weights[1] + c[i] * weights[2]) * factor);
+        let offset: [f32x4; 3] = std::array::from_fn(|i| {
+            (a[i] * weights[0] + b[i] * weights[1] + c[i] * weights[2]) * factor
+        });
         let is_face = inside.simd_ge(f32x4::ZERO) & sum.simd_gt(f32x4::ZERO);
         is_face.select(dot(offset, offset), edges).fast_min(edges)
     }
@@ -90,5 +95,9 @@ fn dot(a: [f32x4; 3], b: [f32x4; 3]) -> f32x4 {
 
 #[inline(always)]
 fn cross(a: [f32x4; 3], b: [f32x4; 3]) -> [f32x4; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
 }

@@ -37,13 +37,19 @@ impl MeshDistance {
     /// otherwise), and its diagnosis, which decides where `sign` is `Auto`.
     pub fn new(mesh: &TriangleMesh, sign: SignMethod, diagnosis: &Diagnosis) -> MeshDistance {
         let vertices: Vec<DVec3> = mesh.vertices.iter().map(|&v| DVec3::from(v)).collect();
-        let corners: Vec<[DVec3; 3]> =
-            mesh.triangles.iter().map(|triangle| triangle.map(|v| vertices[v as usize])).collect();
+        let corners: Vec<[DVec3; 3]> = mesh
+            .triangles
+            .iter()
+            .map(|triangle| triangle.map(|v| vertices[v as usize]))
+            .collect();
         let topology = Topology::new(&mesh.triangles);
         let bvh = Bvh::new(&corners);
         let choice = match sign {
             SignMethod::Auto => choose_sign(diagnosis),
-            method => SignChoice { method, reason: "as asked for".to_string() },
+            method => SignChoice {
+                method,
+                reason: "as asked for".to_string(),
+            },
         };
         MeshDistance {
             pseudonormals: Pseudonormals::new(&vertices, &mesh.triangles, &topology),
@@ -88,7 +94,11 @@ impl MeshDistance {
     pub fn signed_distance(&self, p: DVec3) -> f64 {
         let closest = self.closest(p);
         let distance = closest.distance_squared.sqrt();
-        if self.inside(p, &closest) { -distance } else { distance }
+        if self.inside(p, &closest) {
+            -distance
+        } else {
+            distance
+        }
     }
 
     /// `signed_distance`, faster where it is `known` at a point not far away. Distance changes by no more
@@ -101,7 +111,11 @@ impl MeshDistance {
         let closest = self.closest_within(p, known_distance + way);
         let distance = closest.distance_squared.sqrt();
         let same_side = self.balanced && way < known_distance * (1.0 - 1e-9);
-        let inside = if same_side { known.signed_distance < 0.0 } else { self.inside(p, &closest) };
+        let inside = if same_side {
+            known.signed_distance < 0.0
+        } else {
+            self.inside(p, &closest)
+        };
         if inside { -distance } else { distance }
     }
 
@@ -124,7 +138,9 @@ impl MeshDistance {
     /// Side of the surface by the pseudonormal at the closest point; by the winding number where that
     /// is too close to call.
     pub fn inside_by_pseudonormal(&self, p: DVec3, closest: &Closest) -> bool {
-        self.pseudonormals.inside(p, closest, &self.triangles).unwrap_or_else(|| self.inside_by_winding(p))
+        self.pseudonormals
+            .inside(p, closest, &self.triangles)
+            .unwrap_or_else(|| self.inside_by_winding(p))
     }
 
     /// Inside where the winding number is above one half.

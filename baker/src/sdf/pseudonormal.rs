@@ -35,7 +35,11 @@ impl Pseudonormals {
                 sums[v as usize] += normal * corner_angle(&corners, i);
             }
         }
-        Pseudonormals { faces, vertices: sums, neighbours: topology.neighbours() }
+        Pseudonormals {
+            faces,
+            vertices: sums,
+            neighbours: topology.neighbours(),
+        }
     }
 
     /// Pseudonormal of the feature on which `closest` lies; not of unit length.

@@ -49,7 +49,10 @@ pub fn choose_sign(diagnosis: &Diagnosis) -> SignChoice {
     } else {
         "an approximation near holes, because the surface is not closed"
     };
-    SignChoice { method: SignMethod::Winding, reason: format!("winding number: {trust}") }
+    SignChoice {
+        method: SignMethod::Winding,
+        reason: format!("winding number: {trust}"),
+    }
 }
 
 /// Where the two signs differ.
@@ -81,8 +84,10 @@ pub fn points_near_surface(corners: &[[DVec3; 3]]) -> Vec<DVec3> {
     }
     let size = (upper - lower).length();
     let stride = corners.len().div_ceil(MAX_CENTROIDS);
-    let centroids =
-        corners.iter().step_by(stride).map(|triangle| (at_weights(triangle, 1.0 / 3.0, 1.0 / 3.0), triangle));
+    let centroids = corners
+        .iter()
+        .step_by(stride)
+        .map(|triangle| (at_weights(triangle, 1.0 / 3.0, 1.0 / 3.0), triangle));
     centroids
         .chain(spread_over_area(corners))
         .enumerate()
@@ -105,8 +110,15 @@ fn spread_over_area(corners: &[[DVec3; 3]]) -> Vec<(DVec3, &[DVec3; 3])> {
         summed += area(triangle);
         while points.len() < SPREAD_POINTS && (points.len() as f64 + 0.5) * step < summed {
             let k = points.len() as f64;
-            let (u, v) = ((k * 0.754877666246693).fract(), (k * 0.569840290998053).fract());
-            let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+            let (u, v) = (
+                (k * 0.754877666246693).fract(),
+                (k * 0.569840290998053).fract(),
+            );
+            let (u, v) = if u + v > 1.0 {
+                (1.0 - u, 1.0 - v)
+            } else {
+                (u, v)
+            };
             points.push((at_weights(triangle, u, v), triangle));
         }
     }
@@ -123,7 +135,8 @@ pub fn compare_signs(distance: &MeshDistance, points: &[DVec3]) -> SignCompariso
         .par_iter()
         .filter_map(|&p| {
             let closest = distance.closest(p);
-            let differ = distance.inside_by_pseudonormal(p, &closest) != distance.inside_by_winding(p);
+            let differ =
+                distance.inside_by_pseudonormal(p, &closest) != distance.inside_by_winding(p);
             differ.then(|| (p, closest.distance_squared.sqrt()))
         })
         .collect();
@@ -133,7 +146,11 @@ pub fn compare_signs(distance: &MeshDistance, points: &[DVec3]) -> SignCompariso
     SignComparison {
         points: points.len(),
         disagreeing: found.len(),
-        worst: found.iter().take(MAX_WORST).map(|(p, d)| (p.to_array(), *d)).collect(),
+        worst: found
+            .iter()
+            .take(MAX_WORST)
+            .map(|(p, d)| (p.to_array(), *d))
+            .collect(),
         bounds: (!found.is_empty()).then_some(bounds),
     }
 }

@@ -68,8 +68,10 @@ impl WindingNumbers {
     /// Moments of all parts of the tree.
     pub fn new(bvh: &Bvh) -> WindingNumbers {
         let ranges = block_ranges(bvh);
-        let expansions =
-            (0..bvh.nodes.len()).into_par_iter().map(|node| expansion(bvh, &ranges, node)).collect();
+        let expansions = (0..bvh.nodes.len())
+            .into_par_iter()
+            .map(|node| expansion(bvh, &ranges, node))
+            .collect();
         WindingNumbers { expansions }
     }
 
@@ -141,8 +143,9 @@ impl Expansion {
         let form = x * (x * xx + y * xy) + y * (y * yy + z * yz) + z * (z * zz + x * zx);
         let [xxx, yyy, zzz, xxy, xxz, yyx, yyz, zzx, zzy, xyz] = self.quadratic;
         let three = f64x4::splat(3.0);
-        let contracted =
-            x * (three * xxx + yyx + zzx) + y * (three * yyy + xxy + zzy) + z * (three * zzz + xxz + yyz);
+        let contracted = x * (three * xxx + yyx + zzx)
+            + y * (three * yyy + xxy + zzy)
+            + z * (three * zzz + xxz + yyz);
         let cubic = x * x * (x * xxx + y * xxy + z * xxz)
             + y * y * (y * yyy + x * yyx + z * yyz)
             + z * z * (z * zzz + x * zzx + y * zzy)
@@ -233,7 +236,10 @@ impl Moments {
             let n = area_vector(&corners);
             normal = normal + n;
             let sum = corners[0] + corners[1] + corners[2];
-            add(&mut linear, linear_form(n, sum.scale(f64x4::splat(1.0 / 3.0))));
+            add(
+                &mut linear,
+                linear_form(n, sum.scale(f64x4::splat(1.0 / 3.0))),
+            );
             add(&mut quadratic, quadratic_form(n, &corners, sum));
         }
         Moments {
@@ -254,7 +260,14 @@ fn add<const N: usize>(sums: &mut [f64x4; N], terms: [f64x4; N]) {
 
 /// (N.r)(m.r) with m the mean of d over the triangle, as coefficients.
 fn linear_form(n: Vec4, m: Vec4) -> [f64x4; 6] {
-    [n.x * m.x, n.y * m.y, n.z * m.z, n.x * m.y + n.y * m.x, n.y * m.z + n.z * m.y, n.z * m.x + n.x * m.z]
+    [
+        n.x * m.x,
+        n.y * m.y,
+        n.z * m.z,
+        n.x * m.y + n.y * m.x,
+        n.y * m.z + n.z * m.y,
+        n.z * m.x + n.x * m.z,
+    ]
 }
 
 /// (N.r)(r.D.r) with D the mean of d (x) d over the triangle: the corners' squares and the square of
@@ -263,8 +276,16 @@ fn quadratic_form(n: Vec4, corners: &[Vec4; 3], sum: Vec4) -> [f64x4; 10] {
     let [a, b, c] = *corners;
     let twelfth = f64x4::splat(1.0 / 12.0);
     let mean = |f: fn(Vec4) -> f64x4| (f(a) + f(b) + f(c) + f(sum)) * twelfth;
-    let (xx, yy, zz) = (mean(|d| d.x * d.x), mean(|d| d.y * d.y), mean(|d| d.z * d.z));
-    let (xy, yz, zx) = (mean(|d| d.x * d.y), mean(|d| d.y * d.z), mean(|d| d.z * d.x));
+    let (xx, yy, zz) = (
+        mean(|d| d.x * d.x),
+        mean(|d| d.y * d.y),
+        mean(|d| d.z * d.z),
+    );
+    let (xy, yz, zx) = (
+        mean(|d| d.x * d.y),
+        mean(|d| d.y * d.z),
+        mean(|d| d.z * d.x),
+    );
     let two = f64x4::splat(2.0);
     [
         n.x * xx,
@@ -302,5 +323,9 @@ fn centre_of_area(blocks: &[TriangleBlock], frame: &Frame) -> DVec3 {
         area += weight;
     }
     let area = area.reduce_add();
-    if area > 0.0 { weighted.sum_lanes() / (3.0 * area) } else { local_corners(&blocks[0], frame)[0].lane(0) }
+    if area > 0.0 {
+        weighted.sum_lanes() / (3.0 * area)
+    } else {
+        local_corners(&blocks[0], frame)[0].lane(0)
+    }
 }

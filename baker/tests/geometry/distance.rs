@@ -25,7 +25,10 @@ fn box_is_exact_everywhere() {
     for _ in 0..5_000 {
         let p = random.point(lower - 1.0, upper + 1.0);
         let expected = box_distance(p, (lower + upper) / 2.0, (upper - lower) / 2.0);
-        assert!((distance.signed_distance(p) - expected).abs() < 1e-14, "{p}");
+        assert!(
+            (distance.signed_distance(p) - expected).abs() < 1e-14,
+            "{p}"
+        );
     }
 }
 
@@ -38,7 +41,10 @@ fn thin_plate_is_exact_everywhere() {
         let reach = if i % 2 == 0 { half * 1.5 } else { half + 0.5 };
         let p = random.point(-reach, reach);
         let expected = box_distance(p, DVec3::ZERO, half);
-        assert!((distance.signed_distance(p) - expected).abs() < 1e-14, "{p}");
+        assert!(
+            (distance.signed_distance(p) - expected).abs() < 1e-14,
+            "{p}"
+        );
     }
 }
 
@@ -89,10 +95,26 @@ fn l_shape_is_exact_outside() {
 fn features_are_told_apart() {
     let triangle = [DVec3::ZERO, DVec3::X, DVec3::Y];
     let cases = [
-        (DVec3::new(0.2, 0.2, 3.0), Feature::Face, DVec3::new(0.2, 0.2, 0.0)),
-        (DVec3::new(0.3, -2.0, 1.0), Feature::Edge(0), DVec3::new(0.3, 0.0, 0.0)),
-        (DVec3::new(1.0, 1.0, -1.0), Feature::Edge(1), DVec3::new(0.5, 0.5, 0.0)),
-        (DVec3::new(-1.0, 0.6, 0.0), Feature::Edge(2), DVec3::new(0.0, 0.6, 0.0)),
+        (
+            DVec3::new(0.2, 0.2, 3.0),
+            Feature::Face,
+            DVec3::new(0.2, 0.2, 0.0),
+        ),
+        (
+            DVec3::new(0.3, -2.0, 1.0),
+            Feature::Edge(0),
+            DVec3::new(0.3, 0.0, 0.0),
+        ),
+        (
+            DVec3::new(1.0, 1.0, -1.0),
+            Feature::Edge(1),
+            DVec3::new(0.5, 0.5, 0.0),
+        ),
+        (
+            DVec3::new(-1.0, 0.6, 0.0),
+            Feature::Edge(2),
+            DVec3::new(0.0, 0.6, 0.0),
+        ),
         (DVec3::new(-1.0, -1.0, 1.0), Feature::Vertex(0), DVec3::ZERO),
         (DVec3::new(3.0, 0.5, 0.0), Feature::Vertex(1), DVec3::X),
         (DVec3::new(0.5, 3.0, 0.0), Feature::Vertex(2), DVec3::Y),
@@ -114,7 +136,10 @@ fn triangle_without_area_is_a_segment() {
         (DVec3::new(0.4, 0.0, 0.0), 0.0),
     ] {
         let found = closest_point_on_triangle(p, &line);
-        assert!((found.distance_squared.sqrt() - expected).abs() < 1e-15, "{p}");
+        assert!(
+            (found.distance_squared.sqrt() - expected).abs() < 1e-15,
+            "{p}"
+        );
     }
 }
 
@@ -128,11 +153,18 @@ fn needles_are_as_exact_as_their_width() {
         for _ in 0..200 {
             let p = random.point(DVec3::splat(-0.5), DVec3::splat(1.5));
             let axis = DVec3::new(p.x.clamp(0.0, 1.0), 0.0, 0.0);
-            let found = closest_point_on_triangle(p, &needle).distance_squared.sqrt();
-            assert!((found - p.distance(axis)).abs() <= width + 1e-15, "{width} {p}");
+            let found = closest_point_on_triangle(p, &needle)
+                .distance_squared
+                .sqrt();
+            assert!(
+                (found - p.distance(axis)).abs() <= width + 1e-15,
+                "{width} {p}"
+            );
             // Above the needle's inside the distance is the height, however thin it is.
             let above = DVec3::new(p.x.clamp(0.1, 0.9), 0.1 * width, 1e-3);
-            let found = closest_point_on_triangle(above, &needle).distance_squared.sqrt();
+            let found = closest_point_on_triangle(above, &needle)
+                .distance_squared
+                .sqrt();
             assert!((found - 1e-3).abs() < 1e-12, "{width} {above}: {found}");
         }
     }
@@ -163,7 +195,10 @@ fn bvh_is_brute_force() {
             let p = random.point(lower - reach, upper + reach);
             let (fast, slow) = (distance.closest(p), brute_force::closest(&triangles, p));
             let (d, expected) = (fast.distance_squared.sqrt(), slow.distance_squared.sqrt());
-            assert!((d - expected).abs() <= 1e-13 * (size + expected), "{i} {p}: {d} {expected}");
+            assert!(
+                (d - expected).abs() <= 1e-13 * (size + expected),
+                "{i} {p}: {d} {expected}"
+            );
             assert!((fast.point.distance(p) - d).abs() <= 1e-13 * (size + p.length()));
         }
     }
@@ -176,7 +211,10 @@ fn ties_go_to_the_lowest_triangle() {
     let mesh = shapes::icosphere(3);
     let distance = distance_to(&mesh);
     for (vertex, position) in mesh.vertices.iter().enumerate() {
-        let lowest = mesh.triangles.iter().position(|t| t.contains(&(vertex as u32)));
+        let lowest = mesh
+            .triangles
+            .iter()
+            .position(|t| t.contains(&(vertex as u32)));
         let p = DVec3::from(*position) * 1.7;
         let found = distance.closest(p);
         assert!(matches!(found.feature, Feature::Vertex(_)));
@@ -216,7 +254,10 @@ fn bvh_does_not_depend_on_threads() {
     let mesh = shapes::torus(1.0, 0.4, 170, 50);
     let triangles = corners(&mesh);
     let built = |threads| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
         format!("{:?}", pool.install(|| Bvh::new(&triangles)))
     };
     assert!(built(1) == built(3));

@@ -53,7 +53,10 @@ fn clean_mesh_is_left_alone() {
 fn inside_out_sphere_is_turned() {
     let mut mesh = shapes::flipped(shapes::icosphere(2));
     let repair = orient(&mut mesh);
-    assert_eq!((repair.turned_patches, repair.flipped_triangles), (1, mesh.triangles.len()));
+    assert_eq!(
+        (repair.turned_patches, repair.flipped_triangles),
+        (1, mesh.triangles.len())
+    );
     assert!(diagnose(&mesh).volume > 0.0);
 }
 
@@ -68,7 +71,11 @@ fn what_lies_inside_turns_along() {
     assert_eq!((repair.turned_patches, repair.turned_along), (1, 1));
     let found = diagnose(&mesh);
     assert_eq!(
-        (found.cavities.count, found.nested_solids.count, found.inside_out_components.count),
+        (
+            found.cavities.count,
+            found.nested_solids.count,
+            found.inside_out_components.count
+        ),
         (1, 0, 0)
     );
 }
@@ -80,7 +87,10 @@ fn moebius_strip_is_reported() {
     assert_eq!(repair.non_orientable_patches, 1);
     assert_eq!(repair.non_orientable_places.len(), 1);
     let found = diagnose(&mesh);
-    assert_eq!((found.boundary_loop_count, found.boundary_loops[0].edges), (1, 82));
+    assert_eq!(
+        (found.boundary_loop_count, found.boundary_loops[0].edges),
+        (1, 82)
+    );
     assert!(!found.oriented);
 }
 
@@ -90,7 +100,10 @@ fn open_patch_keeps_its_majority() {
     let mut mesh = original.clone();
     let flipped = scramble(&mut mesh, 20.0, 3);
     let repair = orient(&mut mesh);
-    assert_eq!((repair.flipped_triangles, repair.repaired_patches), (flipped, 1));
+    assert_eq!(
+        (repair.flipped_triangles, repair.repaired_patches),
+        (flipped, 1)
+    );
     assert!(diagnose(&mesh).oriented);
 }
 

@@ -12,7 +12,10 @@ pub struct Random(pub u64);
 impl Random {
     /// Between 0 and 1 (Knuth's multiplier, the upper 53 bits).
     pub fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        self.0 = self
+            .0
+            .wrapping_mul(6364136223846793005)
+            .wrapping_add(1442695040888963407);
         (self.0 >> 11) as f64 / (1u64 << 53) as f64
     }
 
@@ -31,7 +34,8 @@ pub fn merged(meshes: &[TriangleMesh]) -> TriangleMesh {
     for mesh in meshes {
         let offset = all.vertices.len() as u32;
         all.vertices.extend(&mesh.vertices);
-        all.triangles.extend(mesh.triangles.iter().map(|t| t.map(|v| v + offset)));
+        all.triangles
+            .extend(mesh.triangles.iter().map(|t| t.map(|v| v + offset)));
     }
     all
 }
@@ -51,20 +55,38 @@ pub fn moved(mut mesh: TriangleMesh, scale: f64, by: DVec3) -> TriangleMesh {
 /// A box, two triangles a side.
 pub fn cuboid(lower: DVec3, upper: DVec3) -> TriangleMesh {
     let corner = |i: usize| {
-        let pick = |axis: usize| if i >> axis & 1 == 1 { upper[axis] } else { lower[axis] };
+        let pick = |axis: usize| {
+            if i >> axis & 1 == 1 {
+                upper[axis]
+            } else {
+                lower[axis]
+            }
+        };
         [pick(0), pick(1), pick(2)]
     };
-    let sides = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+    let sides = [
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+    ];
     TriangleMesh {
         vertices: (0..8).map(corner).collect(),
-        triangles: sides.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect(),
+        triangles: sides
+            .iter()
+            .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]])
+            .collect(),
     }
 }
 
 /// An L of two unit squares' width, extruded from z = 0 to 1: the square [0, 2]^2 without (1, 2]^2.
 pub fn l_shape() -> TriangleMesh {
     let outline = [[0., 0.], [2., 0.], [2., 1.], [1., 1.], [1., 2.], [0., 2.]];
-    let vertices = [0., 1.].iter().flat_map(|&z| outline.map(|[x, y]| [x, y, z]));
+    let vertices = [0., 1.]
+        .iter()
+        .flat_map(|&z| outline.map(|[x, y]| [x, y, z]));
     let mut triangles = Vec::new();
     for cap in [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 5]] {
         triangles.push([cap[0], cap[2], cap[1]]);
@@ -74,7 +96,10 @@ pub fn l_shape() -> TriangleMesh {
         let j = (i + 1) % 6;
         triangles.extend([[i, j, j + 6], [i, j + 6, i + 6]]);
     }
-    TriangleMesh { vertices: vertices.collect(), triangles }
+    TriangleMesh {
+        vertices: vertices.collect(),
+        triangles,
+    }
 }
 
 /// The unit sphere: an icosahedron whose faces are split in four, `level` times.
@@ -116,14 +141,20 @@ pub fn icosphere(level: usize) -> TriangleMesh {
     for _ in 0..level {
         triangles = split_in_four(&mut vertices, &triangles);
     }
-    TriangleMesh { vertices: vertices.iter().map(|v| v.normalize().to_array()).collect(), triangles }
+    TriangleMesh {
+        vertices: vertices.iter().map(|v| v.normalize().to_array()).collect(),
+        triangles,
+    }
 }
 
 fn split_in_four(vertices: &mut Vec<DVec3>, triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
     let mut middles = BTreeMap::new();
     let mut middle = |a: u32, b: u32| {
         *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
-            let (p, q) = (vertices[a as usize].normalize(), vertices[b as usize].normalize());
+            let (p, q) = (
+                vertices[a as usize].normalize(),
+                vertices[b as usize].normalize(),
+            );
             vertices.push(p + q);
             vertices.len() as u32 - 1
         })
@@ -141,9 +172,13 @@ pub fn torus(major: f64, minor: f64, around: u32, along: u32) -> TriangleMesh {
     let mut mesh = TriangleMesh::default();
     for i in 0..around {
         for j in 0..along {
-            let (u, v) = (f64::from(i) / f64::from(around) * TAU, f64::from(j) / f64::from(along) * TAU);
+            let (u, v) = (
+                f64::from(i) / f64::from(around) * TAU,
+                f64::from(j) / f64::from(along) * TAU,
+            );
             let r = major + minor * v.cos();
-            mesh.vertices.push([r * u.cos(), r * u.sin(), minor * v.sin()]);
+            mesh.vertices
+                .push([r * u.cos(), r * u.sin(), minor * v.sin()]);
             let at = |i: u32, j: u32| (i % around) * along + j % along;
             let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
             mesh.triangles.extend([[a, b, c], [a, c, d]]);
@@ -172,10 +207,15 @@ pub fn moebius_strip(around: u32) -> TriangleMesh {
         let u = f64::from(i) / f64::from(around) * TAU;
         for w in [-0.3, 0.3] {
             let r = 1.0 + w * (u / 2.0).cos();
-            mesh.vertices.push([r * u.cos(), r * u.sin(), w * (u / 2.0).sin()]);
+            mesh.vertices
+                .push([r * u.cos(), r * u.sin(), w * (u / 2.0).sin()]);
         }
         let [a, b] = [2 * i, 2 * i + 1];
-        let [c, d] = if i + 1 < around { [a + 2, b + 2] } else { [1, 0] };
+        let [c, d] = if i + 1 < around {
+            [a + 2, b + 2]
+        } else {
+            [1, 0]
+        };
         mesh.triangles.extend([[a, c, d], [a, d, b]]);
     }
     mesh
@@ -195,7 +235,8 @@ pub fn wedge(slope: f64) -> TriangleMesh {
             other => other,
         };
     }
-    mesh.triangles.retain(|[a, b, c]| a != b && b != c && c != a);
+    mesh.triangles
+        .retain(|[a, b, c]| a != b && b != c && c != a);
     mesh
 }
 

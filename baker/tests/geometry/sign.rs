@@ -3,7 +3,8 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 use volmap_baker::mesh::{diagnose, orient};
 use volmap_baker::sdf::{
-    Feature, KnownDistance, MeshDistance, SignMethod, choose_sign, compare_signs, points_near_surface,
+    Feature, KnownDistance, MeshDistance, SignMethod, choose_sign, compare_signs,
+    points_near_surface,
 };
 use volmap_formats::mesh::TriangleMesh;
 
@@ -41,9 +42,25 @@ fn pseudonormal_at_an_acute_edge() {
 /// The same at a vertex: the tip of a pyramid whose faces are of very different angles there.
 #[test]
 fn pseudonormal_at_an_acute_vertex() {
-    let vertices = vec![[0., 0., 0.], [1., 0.2, -0.01], [1., -0.2, -0.05], [1., 0.0, 0.3], [1., 0.05, 0.3]];
-    let triangles = vec![[0, 2, 1], [0, 1, 4], [0, 4, 3], [0, 3, 2], [1, 2, 3], [1, 3, 4]];
-    let mut mesh = TriangleMesh { vertices, triangles };
+    let vertices = vec![
+        [0., 0., 0.],
+        [1., 0.2, -0.01],
+        [1., -0.2, -0.05],
+        [1., 0.0, 0.3],
+        [1., 0.05, 0.3],
+    ];
+    let triangles = vec![
+        [0, 2, 1],
+        [0, 1, 4],
+        [0, 4, 3],
+        [0, 3, 2],
+        [1, 2, 3],
+        [1, 3, 4],
+    ];
+    let mut mesh = TriangleMesh {
+        vertices,
+        triangles,
+    };
     orient(&mut mesh);
     assert!(diagnose(&mesh).volume > 0.0 && diagnose(&mesh).balanced);
     let distance = with_method(&mesh, SignMethod::Pseudonormal);
@@ -81,8 +98,13 @@ fn signs_agree_on_clean_surfaces() {
         let diagnosis = diagnose(mesh);
         assert!(choose_sign(&diagnosis).reason.contains("exact"));
         let distance = with_method(mesh, SignMethod::Auto);
-        let (lower, upper) = (DVec3::from(diagnosis.bounds.lower), DVec3::from(diagnosis.bounds.upper));
-        let mut points: Vec<DVec3> = (0..2_000).map(|_| random.point(lower - 0.1, upper + 0.1)).collect();
+        let (lower, upper) = (
+            DVec3::from(diagnosis.bounds.lower),
+            DVec3::from(diagnosis.bounds.upper),
+        );
+        let mut points: Vec<DVec3> = (0..2_000)
+            .map(|_| random.point(lower - 0.1, upper + 0.1))
+            .collect();
         for corners in shapes::corners(mesh) {
             let at = (corners[0] + corners[1] * 0.7 + corners[2] * 0.3) / 2.0;
             points.push(at + random.point(DVec3::splat(-1e-3), DVec3::splat(1e-3)));
@@ -103,8 +125,9 @@ fn overlapping_parts_get_winding_numbers() {
     assert_eq!(choice.method, SignMethod::Winding, "{}", choice.reason);
     let distance = with_method(&mesh, SignMethod::Auto);
     let mut random = Random(4);
-    let points: Vec<DVec3> =
-        (0..3_000).map(|_| random.point(DVec3::splat(-1.2), DVec3::new(2.2, 1.2, 1.2))).collect();
+    let points: Vec<DVec3> = (0..3_000)
+        .map(|_| random.point(DVec3::splat(-1.2), DVec3::new(2.2, 1.2, 1.2)))
+        .collect();
     for &p in &points {
         let exact = (p.length() - 1.0).min(p.distance(DVec3::X) - 1.0);
         if exact.abs() > 0.02 {
@@ -141,7 +164,11 @@ fn coiled_tube() -> TriangleMesh {
         let v = (i as u32 % along) as f64 / f64::from(along) * TAU;
         let (radius, height) = coil(u);
         let radius = radius + 0.3 * v.cos();
-        *vertex = [radius * (2.0 * u).cos(), radius * (2.0 * u).sin(), height + 0.3 * v.sin()];
+        *vertex = [
+            radius * (2.0 * u).cos(),
+            radius * (2.0 * u).sin(),
+            height + 0.3 * v.sin(),
+        ];
     }
     mesh
 }
@@ -195,7 +222,10 @@ fn known_distances_change_nothing() {
         for k in 0..3_000 {
             let step = [0.01, 0.1, 1.0][k % 3];
             let next = random.point(DVec3::splat(-step), DVec3::splat(step)) + point * 0.97;
-            let known = KnownDistance { point, signed_distance };
+            let known = KnownDistance {
+                point,
+                signed_distance,
+            };
             let found = distance.signed_distance_near(next, &known);
             assert_eq!(found, distance.signed_distance(next), "{next}");
             (point, signed_distance) = (next, found);

@@ -24,7 +24,10 @@ fn closed_shapes_are_clean() {
 
 #[test]
 fn measures_of_a_box() {
-    let found = diagnose(&shapes::cuboid(DVec3::new(5.0, 0.0, -1.0), DVec3::new(7.0, 3.0, 3.0)));
+    let found = diagnose(&shapes::cuboid(
+        DVec3::new(5.0, 0.0, -1.0),
+        DVec3::new(7.0, 3.0, 3.0),
+    ));
     assert!((found.area - 2.0 * (6.0 + 12.0 + 8.0)).abs() < 1e-12);
     assert!((found.volume - 24.0).abs() < 1e-12);
     assert_eq!(found.bounds.lower, [5.0, 0.0, -1.0]);
@@ -81,9 +84,18 @@ fn loops_that_touch_stay_apart() {
 
 #[test]
 fn edge_of_three_faces_is_found() {
-    let vertices = vec![[0., 0., 0.], [0., 0., 1.], [1., 0., 0.], [0., 1., 0.], [-1., -1., 0.]];
+    let vertices = vec![
+        [0., 0., 0.],
+        [0., 0., 1.],
+        [1., 0., 0.],
+        [0., 1., 0.],
+        [-1., -1., 0.],
+    ];
     let triangles = vec![[0, 1, 2], [1, 0, 3], [0, 1, 4]];
-    let found = diagnose(&TriangleMesh { vertices, triangles });
+    let found = diagnose(&TriangleMesh {
+        vertices,
+        triangles,
+    });
     assert!(!found.manifold_edges && !found.closed);
     assert_eq!(found.non_manifold_edges.count, 1);
     assert_eq!(found.non_manifold_edges.places, [[0.0, 0.0, 0.5]]);
@@ -116,7 +128,10 @@ fn vertex_of_two_fans_is_found() {
         shapes::cuboid(DVec3::ZERO, DVec3::ONE),
         shapes::cuboid(DVec3::ONE, DVec3::splat(2.0)),
     ]);
-    mesh.triangles.iter_mut().flatten().for_each(|v| *v = if *v == 8 { 7 } else { *v });
+    mesh.triangles
+        .iter_mut()
+        .flatten()
+        .for_each(|v| *v = if *v == 8 { 7 } else { *v });
     let found = diagnose(&mesh);
     assert!(found.closed && !found.manifold_vertices);
     assert_eq!(found.non_manifold_vertices.places, [[1.0, 1.0, 1.0]]);
@@ -136,8 +151,16 @@ fn nesting_is_found() {
     assert_eq!((solid.cavities.count, solid.nested_solids.count), (0, 1));
     let apart = shapes::moved(ball(1.0), 1.0, DVec3::X * 1.5);
     let overlap = diagnose(&shapes::merged(&[ball(1.0), apart]));
-    assert_eq!((overlap.overlapping_boxes.count, overlap.nested_solids.count), (1, 0));
-    assert_eq!(diagnose(&shapes::flipped(ball(1.0))).inside_out_components.count, 1);
+    assert_eq!(
+        (overlap.overlapping_boxes.count, overlap.nested_solids.count),
+        (1, 0)
+    );
+    assert_eq!(
+        diagnose(&shapes::flipped(ball(1.0)))
+            .inside_out_components
+            .count,
+        1
+    );
 }
 
 #[test]

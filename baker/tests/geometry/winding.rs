@@ -42,7 +42,10 @@ fn closed_surface_is_one_inside_and_zero_outside() {
             continue;
         }
         let expected = if p.length() < 1.0 { 1.0 } else { 0.0 };
-        assert!((WindingNumbers::exact(&bvh, p) - expected).abs() < 1e-12, "{p}");
+        assert!(
+            (WindingNumbers::exact(&bvh, p) - expected).abs() < 1e-12,
+            "{p}"
+        );
         assert!((winding.fast(&bvh, p, BETA) - expected).abs() < 0.01, "{p}");
         assert_eq!(winding.inside(&bvh, p, true), expected > 0.5, "{p}");
         assert_eq!(winding.inside(&bvh, p, false), expected > 0.5, "{p}");
@@ -61,10 +64,14 @@ fn open_box_is_a_fraction() {
     for z in [-0.9, 0.0, 0.5, 0.9, 0.99, 1.01, 1.1, 2.0] {
         // Solid angle of a square of half side 1 seen from the height h above its middle.
         let h: f64 = z - 1.0;
-        let lid = 4.0 * (1.0 / (h.abs() * (2.0 + h * h).sqrt())).atan() / (4.0 * std::f64::consts::PI);
+        let lid =
+            4.0 * (1.0 / (h.abs() * (2.0 + h * h).sqrt())).atan() / (4.0 * std::f64::consts::PI);
         let expected = if z < 1.0 { 1.0 - lid } else { lid };
         let p = DVec3::new(0.0, 0.0, z);
-        assert!((WindingNumbers::exact(&bvh, p) - expected).abs() < 1e-12, "{z}");
+        assert!(
+            (WindingNumbers::exact(&bvh, p) - expected).abs() < 1e-12,
+            "{z}"
+        );
         assert_eq!(winding.inside(&bvh, p, false), expected > 0.5, "{z}");
     }
 }
@@ -72,7 +79,8 @@ fn open_box_is_a_fraction() {
 #[test]
 fn fast_sum_is_close_to_the_exact_sum() {
     let mut bowl = shapes::icosphere(4);
-    bowl.triangles.retain(|t| t.iter().any(|&v| bowl.vertices[v as usize][2] < 0.3));
+    bowl.triangles
+        .retain(|t| t.iter().any(|&v| bowl.vertices[v as usize][2] < 0.3));
     let meshes = [
         shapes::icosphere(4),
         bowl,
@@ -80,8 +88,15 @@ fn fast_sum_is_close_to_the_exact_sum() {
         shapes::moved(shapes::soup(4_000, 0.05, 5), 2.0, DVec3::NEG_ONE),
     ];
     for mesh in &meshes {
-        let (coarse, usual, fine) = (worst_error(mesh, 1.5), worst_error(mesh, BETA), worst_error(mesh, 8.0));
-        assert!(coarse < 0.1 && usual < 5e-3 && fine < 2e-5, "{coarse} {usual} {fine}");
+        let (coarse, usual, fine) = (
+            worst_error(mesh, 1.5),
+            worst_error(mesh, BETA),
+            worst_error(mesh, 8.0),
+        );
+        assert!(
+            coarse < 0.1 && usual < 5e-3 && fine < 2e-5,
+            "{coarse} {usual} {fine}"
+        );
     }
 }
 
@@ -89,7 +104,8 @@ fn fast_sum_is_close_to_the_exact_sum() {
 #[test]
 fn close_to_one_half_the_exact_sum_decides() {
     let mut mesh = shapes::icosphere(3);
-    mesh.triangles.retain(|t| t.iter().all(|&v| mesh.vertices[v as usize][2] < 0.5));
+    mesh.triangles
+        .retain(|t| t.iter().all(|&v| mesh.vertices[v as usize][2] < 0.5));
     let triangles = corners(&mesh);
     let bvh = Bvh::new(&triangles);
     let winding = WindingNumbers::new(&bvh);
