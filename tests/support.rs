@@ -61,7 +61,7 @@ pub const TORUS: Solid = Solid {
 pub fn compute(solid: &Solid, resolution: u32, settings: &Settings) -> (Plan, Maps) {
     let settings = Settings { grid: GridChoice::Resolution([resolution; 3]), ..settings.clone() };
     let plan = plan(&solid.extent, &settings).unwrap();
-    let maps = compute_maps(&plan, settings.rule, &solid.phi, &mut |_| Ok(())).unwrap();
+    let maps = compute_maps(&plan, settings.rule, &solid.phi, &mut |_| ()).unwrap();
     (plan, maps)
 }
 

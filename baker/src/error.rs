@@ -1,10 +1,31 @@
 //! What can go wrong in a bake.
 
+use std::path::PathBuf;
 use volmap_formats::asset::AssetError;
+use volmap_formats::mesh::MeshError;
 
 /// Why a bake ended without an asset.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
+    /// The mesh file can't be used.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// The mesh in this file can't be used.
+    #[error("{}: {source}", path.display())]
+    MeshFile {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        source: MeshError,
+    },
+    /// The system refused.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
     /// The asset can't be written or read.
     #[error(transparent)]
     Asset(#[from] AssetError),
@@ -28,9 +49,6 @@ pub enum Error {
         /// Limit, bytes.
         allowed: u64,
     },
-    /// The user stopped it.
-    #[error("stopped; nothing was written")]
-    Cancelled,
 }
 
 impl Error {

@@ -3,13 +3,20 @@
 //! ```text
 //! TriangleMesh -> mesh (diagnosis, orientation) -> sdf (distance, sign, band, field) -> volume_map -> Asset
 //! ```
-//! [`bake::bake_file`] is the whole way; [`maps::compute_maps`] the part that any signed distance can take.
+//! [`bake::bake`] is the whole way; [`maps::compute_maps`] the part that any signed distance can take.
 
+pub mod bake;
+pub mod describe;
 pub mod error;
+pub mod info;
+pub mod input;
 pub mod maps;
+pub mod mesh;
 pub mod plan;
+pub mod points;
 pub mod rows;
 pub mod sdf;
+pub mod summary;
 pub mod volume_map;
 
 pub use error::Error;

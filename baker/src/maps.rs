@@ -3,11 +3,12 @@
 
 use crate::error::Error;
 use crate::plan::Plan;
+use crate::sdf::SignedDistance;
 use crate::sdf::band::{BandCells, cropped, find_band};
 use crate::sdf::field::DistanceField;
 use crate::volume_map::lattice::LatticeRule;
 use crate::volume_map::quadrature::Rule;
-use glam::{DVec3, UVec3};
+use glam::UVec3;
 use volmap_runtime::Nodes;
 
 /// Phi and V at the nodes of the band.
@@ -35,29 +36,29 @@ pub enum Stage {
 }
 
 /// Computes both fields of the signed distance `phi` (metres, 1-Lipschitz, negative inside the solid). `enter` is
-/// called at the beginning of each stage and may stop the bake.
+/// called at the beginning of each stage.
 ///
 /// # Errors
-/// A band that is empty or too large to be numbered; what `enter` returns.
+/// A band that is empty or too large to be numbered.
 pub fn compute_maps(
     plan: &Plan,
     rule: Rule,
-    phi: &(impl Fn(DVec3) -> f64 + Sync),
-    enter: &mut dyn FnMut(Stage) -> Result<(), Error>,
+    phi: &impl SignedDistance,
+    enter: &mut dyn FnMut(Stage),
 ) -> Result<Maps, Error> {
-    enter(Stage::Band)?;
+    enter(Stage::Band);
     let distance_grid = plan.distance_grid();
     let found = find_band(&distance_grid, plan.band_width, phi);
     let found_nodes = numbered(distance_grid.resolution, &found)?;
 
-    enter(Stage::Distance)?;
+    enter(Stage::Distance);
     let field = DistanceField::sample(distance_grid, &found, &found_nodes, plan.exterior, phi);
     let (cells, nodes) = match plan.margin == UVec3::ZERO {
         true => (found, found_nodes),
         false => cropped_cells(plan, &found)?,
     };
 
-    enter(Stage::Volume)?;
+    enter(Stage::Volume);
     let lattice = LatticeRule::new(&rule.points(), plan.support_radius, plan.grid.cell_size);
     let volume = lattice.volumes(&field, &nodes, plan.margin);
     let distance = match plan.margin == UVec3::ZERO {

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use rayon::prelude::*;
-use volmap_runtime::{Family, Grid, Nodes};
+use volmap_runtime::{Family, Grid, NodeInterval, Nodes};
 
 /// Consecutive nodes of one family along x: lattice points `(first .. end, j, k)`.
 #[derive(Clone, Copy, Debug)]
@@ -46,4 +46,19 @@ pub fn fill_rows(nodes: &Nodes, fill: impl Fn(NodeRow, &mut [f64]) + Sync) -> Ve
     }
     tasks.into_par_iter().for_each(|(row, own)| fill(row, own));
     values
+}
+
+/// Positions of all nodes, in the order of their numbers; metres.
+pub fn positions(nodes: &Nodes, grid: &Grid) -> Vec<DVec3> {
+    let rows = |family: Family| {
+        let row = move |(j, k, it): (u32, u32, NodeInterval)| NodeRow {
+            family,
+            first: it.first,
+            end: it.end,
+            j,
+            k,
+        };
+        nodes.intervals(family).map(row)
+    };
+    Family::ALL.into_iter().flat_map(rows).flat_map(|row| row.positions(grid)).collect()
 }

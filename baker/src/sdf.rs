@@ -1,4 +1,23 @@
-//! Signed distance.
+//! Exact signed distance to a triangle mesh, and its discretisation on a sparse band of cells.
+//!
+//! `bvh` finds the closest triangle, `closest_point` the point and the feature of it, `pseudonormal`
+//! or `winding` the side, and `mesh_distance` puts them together. `sign` decides which of the two
+//! signs a mesh can bear. `band` finds the cells near the surface, `field` samples their nodes. `brute_force` is the slow twin that the tests compare with.
 
 pub mod band;
+pub mod boundary_distance;
+pub mod brute_force;
+pub mod bvh;
+mod bvh_build;
+pub mod closest_point;
+mod coarse_block;
 pub mod field;
+pub mod mesh_distance;
+pub mod pseudonormal;
+pub mod sign;
+pub mod winding;
+
+pub use boundary_distance::{BoundaryDistance, SignedDistance};
+pub use closest_point::{Closest, Feature};
+pub use mesh_distance::{KnownDistance, MeshDistance};
+pub use sign::{SignComparison, SignMethod, choose_sign, compare_signs, points_near_surface};

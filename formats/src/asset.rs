@@ -7,6 +7,8 @@
 mod error;
 #[cfg(feature = "write")]
 mod filters;
+#[cfg(feature = "write")]
+mod publish;
 mod read;
 mod schema;
 mod tree;

@@ -4,6 +4,7 @@
 //! Phi is 1-Lipschitz: in a block of cells with half diagonal R it stays within R of its value at the centre. Blocks
 //! that this decides are left whole, the others are split, so the work grows with the band and not with the box.
 
+use super::boundary_distance::SignedDistance;
 use glam::{DVec3, UVec3};
 use rayon::prelude::*;
 use volmap_formats::asset::CellRun;
@@ -32,7 +33,7 @@ const REFINEMENTS: u32 = 2;
 
 /// Finds the band of half width `width` (metres) of the signed distance `phi`, which must be 1-Lipschitz where it
 /// doesn't change its sign.
-pub fn find_band(grid: &Grid, width: f64, phi: &(impl Fn(DVec3) -> f64 + Sync)) -> BandCells {
+pub fn find_band(grid: &Grid, width: f64, phi: &impl SignedDistance) -> BandCells {
     let search = Search { grid, width, phi };
     let counts = grid.resolution.map(|n| n.div_ceil(TASK_CELLS));
     let tasks: Vec<UVec3> = (0..counts.z)
@@ -51,17 +52,17 @@ pub fn find_band(grid: &Grid, width: f64, phi: &(impl Fn(DVec3) -> f64 + Sync)) 
     BandCells { band: joined(band.concat()), solid: joined(solid.concat()) }
 }
 
-struct Search<'a, F> {
+struct Search<'a, D> {
     grid: &'a Grid,
     width: f64,
-    phi: &'a F,
+    phi: &'a D,
 }
 
-impl<F: Fn(DVec3) -> f64> Search<'_, F> {
+impl<D: SignedDistance> Search<'_, D> {
     fn block(&self, low: UVec3, high: UVec3, cells: &mut BandCells) {
         let (corner, opposite) = (self.grid.cell_corner(low), self.grid.cell_corner(high));
         let center = 0.5 * (corner + opposite);
-        let distance = (self.phi)(center);
+        let distance = self.phi.at(center);
         // Rounding of the corners must not hide a touching cell.
         let reach = 0.5 * (opposite - corner).length() * (1.0 + 1e-9);
         let size = high - low;
@@ -105,7 +106,7 @@ impl<F: Fn(DVec3) -> f64> Search<'_, F> {
         (0..8).any(|octant| {
             let side = |axis: u32| if octant >> axis & 1 == 0 { -0.5 } else { 0.5 };
             let part = center + half * DVec3::new(side(0), side(1), side(2));
-            self.touches(part, 0.5 * half, (self.phi)(part), refinements - 1)
+            self.touches(part, 0.5 * half, self.phi.at(part), refinements - 1)
         })
     }
 }

@@ -1,6 +1,7 @@
 //! The signed distance discretised on a band of cells: Bender et al. 2020, section 5, step 1.
 
 use super::band::BandCells;
+use super::boundary_distance::SignedDistance;
 use crate::rows::fill_rows;
 use glam::{DVec3, UVec3};
 use volmap_formats::asset::Exterior;
@@ -38,13 +39,9 @@ impl DistanceField {
         cells: &BandCells,
         nodes: &Nodes,
         exterior: Exterior,
-        phi: &(impl Fn(DVec3) -> f64 + Sync),
+        phi: &impl SignedDistance,
     ) -> DistanceField {
-        let values = fill_rows(nodes, |row, out| {
-            for (value, position) in out.iter_mut().zip(row.positions(&grid)) {
-                *value = phi(position);
-            }
-        });
+        let values = fill_rows(nodes, |row, out| phi.along(row.positions(&grid), out));
         let cells = CellIndex::new(grid.resolution, &cells.band, &cells.solid, nodes);
         DistanceField { grid, cells, values, exterior }
     }

@@ -6,6 +6,7 @@
 
 use super::error::AssetError;
 use super::filters;
+use super::publish::Unfinished;
 use super::read::read_tree;
 use super::tree::{Array, Attributes, Dataset, Tree, Value};
 use rust_hdf5::{DatatypeMessage, Filter, FilterPipeline, H5Dataset, H5File, H5Group, H5Type};
@@ -29,23 +30,17 @@ impl Default for Compression {
 /// Elements of a chunk along its first axis times the other axes.
 const CHUNK_ELEMENTS: usize = 1 << 16;
 
-/// Writes to a temporary file beside `path`, reads that back, and renames it onto `path`.
+/// Writes to an unfinished file, reads that back, and only then gives it its name.
 pub(super) fn write_file(path: &Path, tree: &Tree, compression: Compression) -> Result<(), AssetError> {
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    let temporary = tempfile::Builder::new().prefix(".volmap-").suffix(".part").tempfile_in(folder)?;
-    write_tree(temporary.path(), tree, compression)?;
-    let written = std::fs::read(temporary.path())?;
+    let unfinished = Unfinished::beside(path)?;
+    write_tree(&unfinished.path(), tree, compression)?;
     let groups: Vec<&str> = tree.groups.keys().map(String::as_str).collect();
     let datasets: Vec<&str> = tree.datasets.keys().map(String::as_str).collect();
+    let written = std::fs::read(unfinished.path())?;
     if read_tree(written, &groups, &datasets, |_| Ok(()))? != *tree {
         return Err(AssetError::Container("what was written doesn't read back".into()));
     }
-    temporary.as_file().sync_all()?;
-    temporary.persist(path).map_err(|error| error.error)?;
-    Ok(())
+    Ok(unfinished.publish()?)
 }
 
 fn write_tree(path: &Path, tree: &Tree, compression: Compression) -> Result<(), AssetError> {

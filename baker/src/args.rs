@@ -1,0 +1,307 @@
+//! The command line: raw arguments, then validated options.
+
+use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
+use std::str::FromStr;
+use volmap_baker::bake::BakeSettings;
+use volmap_baker::input::InputSettings;
+use volmap_baker::plan::{GridChoice, Precision, Settings};
+use volmap_baker::sdf::SignMethod;
+use volmap_baker::volume_map::quadrature::Rule;
+use volmap_formats::asset::Compression;
+use volmap_formats::mesh::{Placement, Rotation, UpAxis};
+
+/// Bakes triangle meshes into volume maps for SPH boundaries, and looks into them.
+#[derive(Debug, Parser)]
+#[command(name = "volmap", version, arg_required_else_help = true)]
+pub struct Arguments {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Bake a mesh (OBJ, STL, PLY, OFF, glTF, 3MF, VTK, VTU) into an HDF5 volume map
+    Bake(Box<BakeArguments>),
+    /// Show what stands in an asset
+    Info {
+        /// Asset
+        asset: PathBuf,
+        /// As JSON
+        #[arg(long)]
+        json: bool,
+    },
+    /// Ask a map for distance, normal, closest point and volume at points
+    Query {
+        /// Asset
+        asset: PathBuf,
+        /// CSV file with columns x, y, z in metres; `-` is the standard input
+        #[arg(long, value_name = "CSV")]
+        points: PathBuf,
+        /// As JSON
+        #[arg(long)]
+        json: bool,
+    },
+}
+
+#[derive(Debug, Args)]
+#[command(group(ArgGroup::new("radius").args(["support_radius", "particle_radius"])))]
+#[command(group(ArgGroup::new("cells").args(["resolution", "cell_size"])))]
+#[command(allow_negative_numbers = true)]
+pub struct BakeArguments {
+    /// Mesh file
+    pub mesh: PathBuf,
+    /// Where the asset goes [default: the mesh's name with .h5, in this folder]
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+
+    /// Support radius r of the kernels, metres [default: 1/20 of the mesh's diagonal, rounded]
+    #[arg(long, value_name = "LENGTH", help_heading = "Map")]
+    support_radius: Option<f64>,
+    /// Radius of the fluid's particles, metres; r is four of it
+    #[arg(long, value_name = "LENGTH", help_heading = "Map")]
+    particle_radius: Option<f64>,
+    /// Cells along each axis: N, or NX,NY,NZ
+    #[arg(long, value_name = "N", value_parser = resolution, help_heading = "Map")]
+    resolution: Option<Vector<u32>>,
+    /// Edge of the cubic cells, metres [default: r / 2]
+    #[arg(long, value_name = "LENGTH", help_heading = "Map")]
+    cell_size: Option<f64>,
+    /// xmin,ymin,zmin,xmax,ymax,zmax, metres [default: all within 2 r of the surface]
+    #[arg(long, value_name = "BOX", value_parser = numbers::<6>, allow_hyphen_values = true, help_heading = "Map")]
+    domain: Option<Numbers<6>>,
+    /// Length added to the domain on every side, metres
+    #[arg(long, value_name = "LENGTH", default_value_t = 0.0, help_heading = "Map")]
+    padding: f64,
+    /// The mesh is a container: the solid is outside
+    #[arg(long, help_heading = "Map")]
+    invert: bool,
+    /// Move the surface out of the solid by this, metres
+    #[arg(long, value_name = "LENGTH", default_value_t = 0.0, help_heading = "Map")]
+    thickness: f64,
+    /// Rule of the volume's integral: gl<order> (gl30 is the paper's) or ball<n>
+    #[arg(long, value_name = "RULE", default_value_t, value_parser = Rule::from_str, help_heading = "Map")]
+    quadrature: Rule,
+
+    /// How inside and outside are told apart
+    #[arg(long, value_enum, default_value_t, help_heading = "Mesh")]
+    sign: Sign,
+    /// Compare both signs at every node and report where they differ
+    #[arg(long, help_heading = "Mesh")]
+    check_sign: bool,
+    /// Don't turn triangles that run the wrong way round
+    #[arg(long, help_heading = "Mesh")]
+    keep_orientation: bool,
+    /// Unit of the file's lengths: m, cm, mm, in, ft, or metres as a number [default: the file's, or m]
+    #[arg(long, value_name = "UNIT", value_parser = unit, help_heading = "Mesh")]
+    unit: Option<f64>,
+    /// Axis of the file that becomes +y
+    #[arg(long, value_enum, default_value_t, value_name = "AXIS", help_heading = "Mesh")]
+    up: Up,
+    /// Scale: S, or SX,SY,SZ
+    #[arg(long, value_name = "S", value_parser = scale, allow_hyphen_values = true, help_heading = "Mesh")]
+    scale: Option<Numbers<3>>,
+    /// Rotation after scaling: AX,AY,AZ,DEGREES
+    #[arg(long, value_name = "ROTATION", value_parser = numbers::<4>, allow_hyphen_values = true, help_heading = "Mesh")]
+    rotate: Option<Numbers<4>>,
+    /// Translation after rotating: X,Y,Z, metres
+    #[arg(long, value_name = "VECTOR", value_parser = numbers::<3>, allow_hyphen_values = true, help_heading = "Mesh")]
+    translate: Option<Numbers<3>>,
+    /// Make vertices this close one, in the file's unit
+    #[arg(long, value_name = "LENGTH", default_value_t = 0.0, help_heading = "Mesh")]
+    weld: f64,
+
+    /// Precision of the stored fields
+    #[arg(long, value_enum, default_value_t, help_heading = "File")]
+    precision: PrecisionName,
+    /// Compression: zstd, or gzip for readers without plugins
+    #[arg(long, value_enum, default_value_t, help_heading = "File")]
+    compression: CompressionName,
+
+    /// Refuse bakes that need more, as 4GiB or 500MB
+    #[arg(long, value_name = "BYTES", default_value = "4GiB", value_parser = byte_size, help_heading = "Program")]
+    max_memory: u64,
+    /// Threads [default: all]
+    #[arg(long, value_name = "N", help_heading = "Program")]
+    pub threads: Option<usize>,
+    /// Print the summary as JSON (that of `info`)
+    #[arg(long, help_heading = "Program")]
+    pub json: bool,
+    /// Print nothing but errors
+    #[arg(short, long, help_heading = "Program")]
+    pub quiet: bool,
+}
+
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+enum Sign {
+    #[default]
+    Auto,
+    Pseudonormal,
+    Winding,
+}
+
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+enum Up {
+    X,
+    #[default]
+    Y,
+    Z,
+}
+
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+enum PrecisionName {
+    #[default]
+    F32,
+    F64,
+}
+
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+enum CompressionName {
+    #[default]
+    Zstd,
+    Gzip,
+}
+
+/// Several numbers of one argument; a type of its own, as clap takes arrays for lists of arguments.
+#[derive(Clone, Copy, Debug)]
+struct Vector<T>([T; 3]);
+
+#[derive(Clone, Copy, Debug)]
+struct Numbers<const N: usize>([f64; N]);
+
+impl BakeArguments {
+    /// Where the asset goes.
+    pub fn output(&self) -> PathBuf {
+        let beside = || PathBuf::from(self.mesh.with_extension("h5").file_name().unwrap_or_default());
+        self.output.clone().unwrap_or_else(beside)
+    }
+
+    /// How the mesh is read.
+    pub fn input(&self) -> InputSettings {
+        let rotation = self.rotate.map_or(Placement::default().rotation, |Numbers([x, y, z, degrees])| {
+            Rotation { axis: [x, y, z], degrees }
+        });
+        let up_axis = match self.up {
+            Up::X => UpAxis::X,
+            Up::Y => UpAxis::Y,
+            Up::Z => UpAxis::Z,
+        };
+        InputSettings {
+            unit: self.unit,
+            placement: Placement {
+                unit: 1.0,
+                up_axis,
+                scale: self.scale.map_or([1.0; 3], |Numbers(s)| s),
+                rotation,
+                translation: self.translate.map_or([0.0; 3], |Numbers(t)| t),
+            },
+            weld_tolerance: self.weld,
+        }
+    }
+
+    /// How it is baked.
+    pub fn settings(&self) -> BakeSettings {
+        let grid = match (self.resolution, self.cell_size) {
+            (Some(Vector(cells)), _) => GridChoice::Resolution(cells),
+            (_, Some(edge)) => GridChoice::CellSize(edge),
+            _ => GridChoice::FromRadius,
+        };
+        let corners = |Numbers([a, b, c, d, e, f]): Numbers<6>| [[a, b, c], [d, e, f]];
+        BakeSettings {
+            map: Settings {
+                support_radius: self.support_radius.or(self.particle_radius.map(|radius| 4.0 * radius)),
+                grid,
+                domain: self.domain.map(corners),
+                padding: self.padding,
+                invert: self.invert,
+                thickness: self.thickness,
+                rule: self.quadrature,
+                precision: match self.precision {
+                    PrecisionName::F32 => Precision::F32,
+                    PrecisionName::F64 => Precision::F64,
+                },
+                max_memory: self.max_memory,
+            },
+            sign: match self.sign {
+                Sign::Auto => SignMethod::Auto,
+                Sign::Pseudonormal => SignMethod::Pseudonormal,
+                Sign::Winding => SignMethod::Winding,
+            },
+            keep_orientation: self.keep_orientation,
+            check_sign: self.check_sign,
+        }
+    }
+
+    /// How the asset is compressed.
+    pub fn compression(&self) -> Compression {
+        match self.compression {
+            CompressionName::Zstd => Compression::default(),
+            CompressionName::Gzip => Compression::Gzip(6),
+        }
+    }
+}
+
+fn list<T: FromStr>(text: &str) -> Option<Vec<T>> {
+    text.split(',').map(|part| part.trim().parse().ok()).collect()
+}
+
+fn numbers<const N: usize>(text: &str) -> Result<Numbers<N>, String> {
+    let numbers = list::<f64>(text).and_then(|list| <[f64; N]>::try_from(list).ok());
+    let numbers = numbers.filter(|list| list.iter().all(|x| x.is_finite()));
+    numbers.map(Numbers).ok_or_else(|| format!("give {N} finite numbers with commas between"))
+}
+
+fn scale(text: &str) -> Result<Numbers<3>, String> {
+    match list::<f64>(text).as_deref() {
+        Some([s]) if s.is_finite() => Ok(Numbers([*s; 3])),
+        _ => numbers::<3>(text).map_err(|_| "give S, or SX,SY,SZ".into()),
+    }
+}
+
+fn resolution(text: &str) -> Result<Vector<u32>, String> {
+    match list::<u32>(text).as_deref() {
+        Some([n]) => Ok(Vector([*n; 3])),
+        Some([x, y, z]) => Ok(Vector([*x, *y, *z])),
+        _ => Err("give N, or NX,NY,NZ".into()),
+    }
+}
+
+fn unit(text: &str) -> Result<f64, String> {
+    let known = [("m", 1.0), ("dm", 0.1), ("cm", 0.01), ("mm", 1e-3), ("um", 1e-6), ("km", 1e3)];
+    let imperial = [("in", 0.0254), ("ft", 0.3048)];
+    let named = known.iter().chain(&imperial).find(|(name, _)| *name == text).map(|(_, metres)| *metres);
+    let number = || text.parse().ok().filter(|x: &f64| *x > 0.0 && x.is_finite());
+    named.or_else(number).ok_or_else(|| "give m, cm, mm, um, km, in, ft, or metres as a number".into())
+}
+
+fn byte_size(text: &str) -> Result<u64, String> {
+    let units = [("KiB", 10), ("MiB", 20), ("GiB", 30), ("TiB", 40)];
+    let decimal = [("kB", 1e3), ("KB", 1e3), ("MB", 1e6), ("GB", 1e9), ("TB", 1e12), ("B", 1.0)];
+    let binary = units.map(|(name, shift)| (name, (1u64 << shift) as f64));
+    let unit = binary.iter().chain(&decimal).find_map(|(name, size)| Some((text.strip_suffix(name)?, *size)));
+    let (number, size) = unit.unwrap_or((text, 1.0));
+    let bytes = number.trim().parse::<f64>().ok().filter(|n| *n > 0.0).map(|n| (n * size) as u64);
+    bytes.ok_or_else(|| "give a size as 4GiB or 500MB".into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn definition_is_sound() {
+        Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn sizes_and_units() {
+        assert_eq!(byte_size("4GiB"), Ok(4 << 30));
+        assert_eq!(byte_size("500MB"), Ok(500_000_000));
+        assert!(byte_size("-1GB").is_err() && byte_size("much").is_err());
+        assert_eq!(unit("mm"), Ok(1e-3));
+        assert!(unit("furlong").is_err() && unit("0").is_err());
+        assert_eq!(resolution("20").unwrap().0, [20; 3]);
+        assert!(resolution("20,30").is_err() && resolution("-1").is_err());
+    }
+}

@@ -1,0 +1,219 @@
+//! What a bake says of itself: the informative attributes of the asset, and warnings.
+//! Nothing here may depend on time or threads.
+
+use crate::bake::{BakeSettings, Summary};
+use crate::input::Input;
+use crate::maps::Maps;
+use crate::plan::{GridChoice, Precision};
+use glam::{DVec3, IVec3};
+use volmap_formats::asset::{Attributes, Value};
+use volmap_formats::mesh::UpAxis;
+use volmap_runtime::{Cell, CellIndex, Grid};
+
+fn attributes<const N: usize>(pairs: [(&str, Value); N]) -> Attributes {
+    pairs.map(|(name, value)| (name.to_owned(), value)).into()
+}
+
+fn count(n: usize) -> Value {
+    Value::from(n as u64)
+}
+
+/// Effective value of every parameter, given or defaulted.
+pub fn parameters(input: &Input, summary: &Summary, settings: &BakeSettings) -> Attributes {
+    let map = &settings.map;
+    let grid_choice = match map.grid {
+        GridChoice::FromRadius => "from support radius".to_owned(),
+        GridChoice::Resolution([x, y, z]) => format!("resolution {x},{y},{z}"),
+        GridChoice::CellSize(edge) => format!("cell size {edge}"),
+    };
+    let up_axis = match input.placement.up_axis {
+        UpAxis::X => "x",
+        UpAxis::Y => "y",
+        UpAxis::Z => "z",
+    };
+    let domain = |corners: [DVec3; 2]| Value::Real(corners.iter().flat_map(|c| c.to_array()).collect());
+    let grid = summary.plan.grid;
+    attributes([
+        ("support_radius", summary.plan.support_radius.into()),
+        ("particle_radius", (summary.plan.support_radius / 4.0).into()),
+        ("band_width", summary.plan.band_width.into()),
+        ("grid", grid_choice.into()),
+        ("domain", domain([grid.origin, grid.max_corner()])),
+        ("domain_given", map.domain.is_some().into()),
+        ("padding", map.padding.into()),
+        ("invert", map.invert.into()),
+        ("thickness", map.thickness.into()),
+        ("quadrature", map.rule.to_string().into()),
+        ("precision", if map.precision == Precision::F32 { "f32" } else { "f64" }.into()),
+        ("sign", format!("{:?}", summary.sign.method).to_lowercase().into()),
+        ("sign_reason", summary.sign.reason.as_str().into()),
+        ("keep_orientation", settings.keep_orientation.into()),
+        ("unit", input.placement.unit.into()),
+        ("up_axis", up_axis.into()),
+        ("scale", input.placement.scale.into()),
+        ("rotation_axis", input.placement.rotation.axis.into()),
+        ("rotation_degrees", input.placement.rotation.degrees.into()),
+        ("translation", input.placement.translation.into()),
+        ("weld_tolerance", input.weld_tolerance.into()),
+    ])
+}
+
+/// Where the map comes from.
+pub fn source(input: &Input, summary: &Summary) -> Attributes {
+    attributes([
+        ("file", input.source.file.as_str().into()),
+        ("format", input.source.format.as_str().into()),
+        ("blake3", input.source.blake3.as_str().into()),
+        ("triangles", count(input.mesh.triangles.len())),
+        ("vertices", count(input.mesh.vertices.len())),
+        ("bounds_min", summary.bounds[0].to_array().into()),
+        ("bounds_max", summary.bounds[1].to_array().into()),
+        ("area", summary.diagnosis.area.into()),
+        ("program", "volmap".into()),
+        ("program_version", env!("CARGO_PKG_VERSION").into()),
+    ])
+}
+
+/// What was found of the mesh.
+pub fn diagnosis(summary: &Summary) -> Attributes {
+    let (found, repair, cleaning) = (&summary.diagnosis, &summary.repair, &summary.cleaning);
+    let mut out = attributes([
+        ("closed", found.closed.into()),
+        ("oriented", found.oriented.into()),
+        ("manifold", (found.manifold_edges && found.manifold_vertices).into()),
+        ("components", count(found.components)),
+        ("euler_characteristic", Value::Real(vec![found.euler_characteristic as f64])),
+        ("volume", found.volume.into()),
+        ("boundary_edges", count(found.boundary_edges.count)),
+        ("boundary_loops", count(found.boundary_loop_count)),
+        ("non_manifold_edges", count(found.non_manifold_edges.count)),
+        ("misoriented_edges", count(found.misoriented_edges.count)),
+        ("inside_out_components", count(found.inside_out_components.count)),
+        ("cavities", count(found.cavities.count)),
+        ("nested_solids", count(found.nested_solids.count)),
+        ("flipped_triangles", count(repair.flipped_triangles)),
+        ("welded_vertices", count(cleaning.welded)),
+        ("degenerate_faces", count(cleaning.degenerate)),
+        ("duplicate_faces", count(cleaning.duplicates)),
+        ("warnings", summary.warnings.join("\n").into()),
+    ]);
+    if let Some(signs) = &summary.sign_comparison {
+        out.insert("sign_points".into(), count(signs.points));
+        out.insert("sign_disagreements".into(), count(signs.disagreeing));
+    }
+    out
+}
+
+/// What a careful person would look at before using the asset.
+pub fn warnings(summary: &Summary, maps: &Maps, settings: &BakeSettings) -> Vec<String> {
+    let mut out = Vec::new();
+    mesh_warnings(summary, &mut out);
+    sign_warnings(summary, maps, &mut out);
+    let [low, high] = summary.plan.cut;
+    let cut = low.iter().chain(&high).copied().fold(0.0, f64::max);
+    if cut > 0.0 {
+        out.push(format!(
+            "the domain cuts the band of 2 support radii by up to {cut:.4} m; outside the domain the map \
+             answers as far from the surface"
+        ));
+    }
+    if settings.map.thickness != 0.0 {
+        out.push(format!("the surface is moved {} m out of the solid (--thickness)", settings.map.thickness));
+    }
+    out
+}
+
+fn mesh_warnings(summary: &Summary, out: &mut Vec<String>) {
+    let found = &summary.diagnosis;
+    if let Some(hole) = found.boundary_loops.first() {
+        let [x, y, z] = hole.centroid;
+        out.push(format!(
+            "the mesh is open: {} rim{}, the longest {:.4} m long around ({x:.4}, {y:.4}, {z:.4}); close it, or \
+             check the sign there",
+            found.boundary_loop_count,
+            plural(found.boundary_loop_count),
+            hole.length
+        ));
+    }
+    if found.non_manifold_edges.count > 0 {
+        let n = found.non_manifold_edges.count;
+        out.push(format!(
+            "{n} edge{} with more than two faces{}",
+            plural(n),
+            place(&found.non_manifold_edges.places)
+        ));
+    }
+    if found.misoriented_edges.count > 0 {
+        let n = found.misoriented_edges.count;
+        let places = place(&found.misoriented_edges.places);
+        out.push(format!("{n} edge{} whose faces don't run the same way round{places}", plural(n)));
+    }
+    let flipped = summary.repair.flipped_triangles;
+    if flipped > 0 {
+        out.push(format!("{flipped} triangle{} were turned to run the same way round", plural(flipped)));
+    }
+    if found.nested_solids.count > 0 {
+        let n = found.nested_solids.count;
+        out.push(format!(
+            "{n} part{} inside a solid; taken as solid{}",
+            plural(n),
+            place(&found.nested_solids.places)
+        ));
+    }
+    let size = (summary.bounds[1] - summary.bounds[0]).max_element();
+    if !(1e-3..=1e4).contains(&size) {
+        out.push(format!("the mesh is {size:.3e} m large; if that isn't meant, give --unit or --scale"));
+    }
+}
+
+fn sign_warnings(summary: &Summary, maps: &Maps, out: &mut Vec<String>) {
+    if !maps.distance.iter().any(|phi| *phi < 0.0) {
+        out.push("nothing lies inside: the map has no solid; give sheets a --thickness".into());
+    }
+    let leaks = leaks(&summary.plan.grid, maps);
+    if leaks > 0 {
+        out.push(format!(
+            "inside meets outside away from the surface at {leaks} cell faces: a hole is wider than the band; \
+             close the mesh or enlarge the support radius"
+        ));
+    }
+    if let Some(signs) = summary.sign_comparison.as_ref().filter(|signs| signs.disagreeing > 0) {
+        let worst = signs.worst.first().map(|(at, distance)| (place(&[*at]), *distance));
+        let (at, distance) = worst.unwrap_or_default();
+        out.push(format!(
+            "pseudonormals and winding numbers differ at {} of {} nodes, the farthest {distance:.4} m from the \
+             surface{at}",
+            signs.disagreeing, signs.points
+        ));
+    }
+}
+
+/// Faces between a cell deep in the solid and one far outside.
+fn leaks(grid: &Grid, maps: &Maps) -> usize {
+    let index = CellIndex::new(grid.resolution, &maps.cells.band, &maps.cells.solid, &maps.nodes);
+    let n = grid.resolution.as_ivec3();
+    let fluid = |cell: IVec3| {
+        let inside = cell.cmpge(IVec3::ZERO).all() && cell.cmplt(n).all();
+        inside && index.find(cell.as_uvec3()) == Cell::Fluid
+    };
+    let around = |cell: IVec3| {
+        let steps = [IVec3::X, IVec3::NEG_X, IVec3::Y, IVec3::NEG_Y, IVec3::Z, IVec3::NEG_Z];
+        steps.into_iter().filter(|step| fluid(cell + step)).count()
+    };
+    let run_leaks = |run: &volmap_formats::asset::CellRun| -> usize {
+        let cell = |i: u32| IVec3::new(i as i32, run.j as i32, run.k as i32);
+        (run.i..run.i + run.len).map(|i| around(cell(i))).sum()
+    };
+    maps.cells.solid.iter().map(run_leaks).sum()
+}
+
+fn plural(n: usize) -> &'static str {
+    if n == 1 { "" } else { "s" }
+}
+
+fn place(places: &[[f64; 3]]) -> String {
+    match places.first() {
+        Some([x, y, z]) => format!(", as at ({x:.4}, {y:.4}, {z:.4})"),
+        None => String::new(),
+    }
+}

@@ -1,0 +1,107 @@
+//! What stands in an asset, for people and for programs.
+
+use serde_json::{Map, Value as Json, json};
+use std::fmt::Write;
+use volmap_formats::asset::{Array, Asset, Attributes, CellRun, Exterior, FORMAT_VERSION, Value};
+
+/// All but the fields themselves, as JSON.
+pub fn to_json(asset: &Asset, file_bytes: u64) -> Json {
+    json!({
+        "format": "volmap",
+        "format_version": FORMAT_VERSION,
+        "file_bytes": file_bytes,
+        "support_radius": asset.support_radius,
+        "exterior": exterior(asset),
+        "grid": {
+            "origin": asset.grid.origin,
+            "cell_size": asset.grid.cell_size,
+            "resolution": asset.grid.resolution,
+        },
+        "cells": {
+            "grid": asset.grid.resolution.iter().map(|&n| u64::from(n)).product::<u64>(),
+            "band": count(&asset.band_cells),
+            "solid": count(&asset.solid_cells),
+        },
+        "quadrature": {
+            "name": asset.quadrature.name,
+            "degree": asset.quadrature.degree,
+            "points": asset.quadrature.points,
+            "ball_volume": asset.quadrature.ball_volume,
+        },
+        "fields": {
+            "signed_distance": field(&asset.signed_distance, "m"),
+            "volume": field(&asset.volume, "m^3"),
+        },
+        "bake": object(&asset.bake),
+        "source": object(&asset.source),
+        "diagnosis": object(&asset.diagnosis),
+    })
+}
+
+/// The same for people.
+pub fn to_text(asset: &Asset, file_bytes: u64) -> String {
+    let json = to_json(asset, file_bytes);
+    let mut out = String::new();
+    let empty = Map::new();
+    for (name, value) in json.as_object().unwrap_or(&empty) {
+        match value {
+            Json::Object(entries) => {
+                _ = writeln!(out, "{name}");
+                entries.iter().for_each(|(key, value)| line(&mut out, "  ", key, value));
+            }
+            value => line(&mut out, "", name, value),
+        }
+    }
+    out
+}
+
+fn line(out: &mut String, indent: &str, name: &str, value: &Json) {
+    let text = match value {
+        Json::String(text) => text.replace('\n', &format!("\n{indent}{:25}", "")),
+        Json::Object(entries) => {
+            let pairs: Vec<String> = entries.iter().map(|(key, value)| format!("{key} {value}")).collect();
+            pairs.join(", ")
+        }
+        Json::Array(items) => items.iter().map(Json::to_string).collect::<Vec<_>>().join(", "),
+        other => other.to_string(),
+    };
+    let width = 24 - indent.len();
+    _ = writeln!(out, "{indent}{name:width$} {text}");
+}
+
+fn exterior(asset: &Asset) -> &'static str {
+    match asset.exterior {
+        Exterior::Fluid => "fluid",
+        Exterior::Solid => "solid",
+    }
+}
+
+fn count(runs: &[CellRun]) -> u64 {
+    runs.iter().map(|run| u64::from(run.len)).sum()
+}
+
+fn field(values: &Array, units: &str) -> Json {
+    let range = |numbers: &mut dyn Iterator<Item = f64>| {
+        numbers.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
+    };
+    let (precision, (low, high)) = match values {
+        Array::F32(v) => ("f32", range(&mut v.iter().map(|&x| x.into()))),
+        Array::F64(v) => ("f64", range(&mut v.iter().copied())),
+        Array::U32(v) => ("u32", range(&mut v.iter().map(|&x| x.into()))),
+    };
+    json!({ "nodes": values.len(), "precision": precision, "min": low, "max": high, "units": units })
+}
+
+fn object(attributes: &Attributes) -> Json {
+    attributes.iter().map(|(name, value)| (name.clone(), to_value(value))).collect::<Map<_, _>>().into()
+}
+
+fn to_value(value: &Value) -> Json {
+    match value {
+        Value::Integer(v) if v.len() == 1 => v[0].into(),
+        Value::Real(v) if v.len() == 1 => v[0].into(),
+        Value::Integer(v) => v.clone().into(),
+        Value::Real(v) => v.clone().into(),
+        Value::Text(text) => text.clone().into(),
+    }
+}

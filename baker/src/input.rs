@@ -1,0 +1,77 @@
+//! From a mesh file to the mesh that is baked: read, clean, place.
+
+use crate::error::Error;
+use glam::DVec3;
+use serde::Serialize;
+use std::path::Path;
+use volmap_formats::mesh::{self, CleanReport, CleanSettings, MeshFormat, Placement, TriangleMesh};
+
+/// How a mesh file becomes a mesh.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct InputSettings {
+    /// Metres per unit of the file; by default what the file says, or 1.
+    pub unit: Option<f64>,
+    /// Up axis, scale, rotation and translation; its unit is not used.
+    pub placement: Placement,
+    /// Vertices this close are one, in the file's unit.
+    pub weld_tolerance: f64,
+}
+
+/// A mesh, and where it comes from.
+#[derive(Clone, Debug)]
+pub struct Input {
+    /// The mesh, in metres.
+    pub mesh: TriangleMesh,
+    /// Its file.
+    pub source: Source,
+    /// What cleaning did.
+    pub cleaning: CleanReport,
+    /// The placement with its unit.
+    pub placement: Placement,
+    /// Vertices this close are one, in the file's unit.
+    pub weld_tolerance: f64,
+}
+
+/// Where a mesh comes from.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Source {
+    /// Name of the file, without folders.
+    pub file: String,
+    /// Format of the file.
+    pub format: String,
+    /// BLAKE3 of the file's bytes.
+    pub blake3: String,
+}
+
+/// Reads, cleans and places a mesh.
+///
+/// # Errors
+/// A file that can't be read or used; a placement that can't be.
+pub fn load(path: &Path, settings: &InputSettings) -> Result<Input, Error> {
+    let raw = mesh::read_mesh(path)?;
+    let source = source(path, raw.format)?;
+    let unit = settings.unit.or(raw.unit).unwrap_or(1.0);
+    let placement = Placement { unit, ..settings.placement };
+    let clean_settings = CleanSettings { weld_tolerance: settings.weld_tolerance };
+    let in_file = |error| Error::MeshFile { path: path.to_owned(), source: error };
+    let (mut mesh, cleaning) = mesh::clean(raw, &clean_settings).map_err(in_file)?;
+    placement.apply(&mut mesh).map_err(in_file)?;
+    Ok(Input { mesh, source, cleaning, placement, weld_tolerance: settings.weld_tolerance })
+}
+
+fn source(path: &Path, format: MeshFormat) -> Result<Source, Error> {
+    let mut hasher = blake3::Hasher::new();
+    let hashed = std::fs::File::open(path).and_then(|file| hasher.update_reader(file).map(|_| ()));
+    hashed.map_err(|error| Error::Io { path: path.to_owned(), source: error })?;
+    Ok(Source {
+        file: path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+        format: format.to_string(),
+        blake3: hasher.finalize().to_hex().to_string(),
+    })
+}
+
+/// Lowest and highest corner of a mesh's box, metres.
+pub fn bounds(mesh: &TriangleMesh) -> [DVec3; 2] {
+    let points = || mesh.vertices.iter().map(|&v| DVec3::from(v));
+    [points().fold(DVec3::INFINITY, DVec3::min), points().fold(DVec3::NEG_INFINITY, DVec3::max)]
+}

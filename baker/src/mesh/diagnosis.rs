@@ -1,0 +1,260 @@
+//! What is wrong with a mesh: counts, and the first few places of each defect.
+
+use glam::DVec3;
+use serde::Serialize;
+use volmap_formats::mesh::TriangleMesh;
+
+use crate::mesh::boundary::{BoundaryLoop, boundary_loops};
+use crate::mesh::nesting::{Nesting, find_nesting};
+use crate::mesh::parts::{Bounds, Parts, corners, surplus};
+use crate::mesh::topology::{DisjointSets, HalfEdge, Topology};
+
+/// Places that are kept of each defect.
+const MAX_PLACES: usize = 8;
+/// Boundary loops that are kept.
+const MAX_LOOPS: usize = 32;
+
+/// How often a defect occurs, and where first.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Defect {
+    /// How often.
+    pub count: usize,
+    /// Points of the first few.
+    pub places: Vec<[f64; 3]>,
+}
+
+impl Defect {
+    fn add(&mut self, place: DVec3) {
+        self.count += 1;
+        if self.places.len() < MAX_PLACES {
+            self.places.push(place.to_array());
+        }
+    }
+}
+
+/// All that is found out about a mesh. Components are sets of triangles connected by edges.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Diagnosis {
+    /// Number of vertices that triangles use.
+    pub vertices: usize,
+    /// Number of edges.
+    pub edges: usize,
+    /// Number of triangles.
+    pub triangles: usize,
+    /// Number of components.
+    pub components: usize,
+    /// Every edge has exactly two faces.
+    pub closed: bool,
+    /// No edge with two faces is run through by both in the same direction.
+    pub oriented: bool,
+    /// No edge has more than two faces.
+    pub manifold_edges: bool,
+    /// The faces around every vertex form one fan.
+    pub manifold_vertices: bool,
+    /// Every edge is run through as often one way as the other, so that winding numbers are integers.
+    /// True of closed, oriented meshes, and of solids that touch along edges.
+    pub balanced: bool,
+    /// Vertices - edges + triangles.
+    pub euler_characteristic: i64,
+    /// Handles of all components together, for closed, oriented manifolds.
+    pub genus: Option<i64>,
+    /// Surface area.
+    pub area: f64,
+    /// Signed volume; means nothing where the mesh isn't `balanced`.
+    pub volume: f64,
+    /// The mesh's box.
+    pub bounds: Bounds,
+    /// Triangles without area.
+    pub zero_area_triangles: Defect,
+    /// Edges with one face.
+    pub boundary_edges: Defect,
+    /// Edges with more than two faces.
+    pub non_manifold_edges: Defect,
+    /// Edges that both of their faces run through in the same direction.
+    pub misoriented_edges: Defect,
+    /// Vertices whose faces form several fans.
+    pub non_manifold_vertices: Defect,
+    /// Number of boundary loops.
+    pub boundary_loop_count: usize,
+    /// The longest boundary loops, longest first.
+    pub boundary_loops: Vec<BoundaryLoop>,
+    /// Balanced components that are turned inside out: with nothing solid around them, negative volume.
+    pub inside_out_components: Defect,
+    /// Balanced components of negative volume inside another's solid: hollows.
+    pub cavities: Defect,
+    /// Balanced components of positive volume inside another's solid.
+    pub nested_solids: Defect,
+    /// Pairs of balanced components with overlapping boxes, neither inside the other.
+    pub overlapping_boxes: Defect,
+    /// False where there were too many components to look at all pairs.
+    pub nesting_complete: bool,
+}
+
+/// Examines a mesh; O(n log n).
+pub fn diagnose(mesh: &TriangleMesh) -> Diagnosis {
+    let topology = Topology::new(&mesh.triangles);
+    diagnose_with(mesh, &topology)
+}
+
+/// `diagnose`, for who has the topology already.
+pub fn diagnose_with(mesh: &TriangleMesh, topology: &Topology) -> Diagnosis {
+    let (label, components) = topology.components();
+    let parts = Parts::new(mesh, topology, &label, components);
+    let edges = examine_edges(mesh, topology);
+    let non_manifold_vertices = non_manifold_vertices(mesh, topology);
+    let mut boundary_loops = boundary_loops(mesh, topology);
+    let boundary_loop_count = boundary_loops.len();
+    boundary_loops.truncate(MAX_LOOPS);
+    let nesting = find_nesting(mesh, &parts);
+    let vertices = used_vertices(mesh);
+    let closed = edges.boundary.count == 0 && edges.non_manifold.count == 0;
+    let oriented = edges.misoriented.count == 0;
+    let euler = vertices as i64 - topology.edge_count() as i64 + mesh.triangles.len() as i64;
+    let manifold = closed && oriented && non_manifold_vertices.count == 0;
+    let mut diagnosis = Diagnosis {
+        vertices,
+        edges: topology.edge_count(),
+        triangles: mesh.triangles.len(),
+        components,
+        closed,
+        oriented,
+        manifold_edges: edges.non_manifold.count == 0,
+        manifold_vertices: non_manifold_vertices.count == 0,
+        balanced: edges.balanced,
+        euler_characteristic: euler,
+        genus: manifold.then_some(components as i64 - euler / 2),
+        area: parts.list.iter().map(|part| part.area).sum(),
+        volume: parts.list.iter().map(|part| part.volume).sum(),
+        bounds: bounds_of(mesh),
+        zero_area_triangles: zero_area_triangles(mesh),
+        boundary_edges: edges.boundary,
+        non_manifold_edges: edges.non_manifold,
+        misoriented_edges: edges.misoriented,
+        non_manifold_vertices,
+        boundary_loop_count,
+        boundary_loops,
+        inside_out_components: Defect::default(),
+        cavities: Defect::default(),
+        nested_solids: Defect::default(),
+        overlapping_boxes: Defect::default(),
+        nesting_complete: nesting.complete,
+    };
+    add_nesting(&mut diagnosis, mesh, &parts, &nesting);
+    diagnosis
+}
+
+fn add_nesting(diagnosis: &mut Diagnosis, mesh: &TriangleMesh, parts: &Parts, nesting: &Nesting) {
+    let place = |i: usize| corners(mesh, parts.triangles(i)[0] as usize)[0];
+    for (i, part) in parts.list.iter().enumerate() {
+        if !part.balanced {
+            continue;
+        }
+        let in_solid = nesting.winding_around(parts, i) > 0;
+        match (in_solid, part.volume < 0.0) {
+            (true, true) => diagnosis.cavities.add(place(i)),
+            (true, false) => diagnosis.nested_solids.add(place(i)),
+            (false, true) => diagnosis.inside_out_components.add(place(i)),
+            (false, false) => {}
+        }
+    }
+    for &(i, _) in &nesting.overlapping {
+        diagnosis.overlapping_boxes.add(place(i as usize));
+    }
+}
+
+struct EdgeDefects {
+    boundary: Defect,
+    non_manifold: Defect,
+    misoriented: Defect,
+    balanced: bool,
+}
+
+fn examine_edges(mesh: &TriangleMesh, topology: &Topology) -> EdgeDefects {
+    let mut found = EdgeDefects {
+        boundary: Defect::default(),
+        non_manifold: Defect::default(),
+        misoriented: Defect::default(),
+        balanced: true,
+    };
+    for edge in topology.edges() {
+        let surplus = surplus(edge.iter());
+        found.balanced &= surplus == 0;
+        match edge.len() {
+            1 => found.boundary.add(middle(mesh, &edge[0])),
+            2 if surplus != 0 => found.misoriented.add(middle(mesh, &edge[0])),
+            2 => {}
+            _ => found.non_manifold.add(middle(mesh, &edge[0])),
+        }
+    }
+    found
+}
+
+fn ends(mesh: &TriangleMesh, edge: &HalfEdge) -> [DVec3; 2] {
+    [edge.lower, edge.upper].map(|v| DVec3::from(mesh.vertices[v as usize]))
+}
+
+fn middle(mesh: &TriangleMesh, edge: &HalfEdge) -> DVec3 {
+    let [a, b] = ends(mesh, edge);
+    a * 0.5 + b * 0.5
+}
+
+/// Corners at the same vertex are joined where their triangles share an edge there: into the fans around
+/// the vertices.
+fn non_manifold_vertices(mesh: &TriangleMesh, topology: &Topology) -> Defect {
+    let mut corners = DisjointSets::new(3 * mesh.triangles.len());
+    for edge in topology.edges() {
+        let [lower, upper] = end_corners(&edge[0]);
+        for half in &edge[1..] {
+            let [other_lower, other_upper] = end_corners(half);
+            corners.union(lower, other_lower);
+            corners.union(upper, other_upper);
+        }
+    }
+    let mut fans = vec![0u32; mesh.vertices.len()];
+    for (i, &vertex) in mesh.triangles.iter().flatten().enumerate() {
+        if corners.find(i as u32) == i as u32 {
+            fans[vertex as usize] += 1;
+        }
+    }
+    let mut defect = Defect::default();
+    for (vertex, &count) in mesh.vertices.iter().zip(&fans) {
+        if count > 1 {
+            defect.add(DVec3::from(*vertex));
+        }
+    }
+    defect
+}
+
+/// Corners of the half-edge's triangle at the edge's lower and upper vertex.
+fn end_corners(half: &HalfEdge) -> [u32; 2] {
+    let from = (3 * half.face() + half.side()) as u32;
+    let to = (3 * half.face() + (half.side() + 1) % 3) as u32;
+    if half.forward() { [from, to] } else { [to, from] }
+}
+
+fn zero_area_triangles(mesh: &TriangleMesh) -> Defect {
+    let mut defect = Defect::default();
+    for triangle in 0..mesh.triangles.len() {
+        let [a, b, c] = corners(mesh, triangle);
+        if (b - a).cross(c - a) == DVec3::ZERO {
+            defect.add(a);
+        }
+    }
+    defect
+}
+
+fn used_vertices(mesh: &TriangleMesh) -> usize {
+    let mut used = vec![false; mesh.vertices.len()];
+    for &vertex in mesh.triangles.iter().flatten() {
+        used[vertex as usize] = true;
+    }
+    used.into_iter().filter(|&used| used).count()
+}
+
+fn bounds_of(mesh: &TriangleMesh) -> Bounds {
+    let mut bounds = Bounds::EMPTY;
+    for &vertex in mesh.triangles.iter().flatten() {
+        bounds.grow(DVec3::from(mesh.vertices[vertex as usize]));
+    }
+    bounds
+}

@@ -1,0 +1,125 @@
+//! Points in, what a map says of them out: CSV rows, or JSON.
+
+use serde_json::{Value as Json, json};
+use std::io::{Read, Write};
+use volmap_runtime::{DVec3, Sample, VolumeMap};
+
+/// Why points can't be answered; `line` counts from 1.
+#[derive(Debug, thiserror::Error)]
+pub enum PointsError {
+    /// The table has no such column.
+    #[error("line 1: no column `{0}`; the first line must name the columns x, y and z")]
+    NoColumn(&'static str),
+    /// A coordinate isn't a number.
+    #[error("line {line}: {column} is `{text}`, not a finite number")]
+    NotANumber {
+        /// Where.
+        line: u64,
+        /// Which column.
+        column: &'static str,
+        /// What stands there.
+        text: String,
+    },
+    /// The table can't be read or written.
+    #[error(transparent)]
+    Csv(#[from] csv::Error),
+    /// The answers can't be written.
+    #[error("can't write the answers: {0}")]
+    Io(#[from] std::io::Error),
+}
+
+const COLUMNS: [&str; 9] = ["distance", "nx", "ny", "nz", "cx", "cy", "cz", "volume", "region"];
+
+/// Copies a CSV table with columns x, y, z (metres) and appends to each row distance, normal, closest point, volume
+/// and region (`band`, `outside` or `deep_inside`). Outside the band only volume and region are known.
+///
+/// # Errors
+/// A table without these columns, or with a coordinate that is no number.
+pub fn query_csv(map: &VolumeMap, points: impl Read, out: impl Write) -> Result<(), PointsError> {
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(points);
+    let mut header = reader.headers()?.clone();
+    let columns = coordinates(&header)?;
+    let mut writer = csv::Writer::from_writer(out);
+    COLUMNS.iter().for_each(|name| header.push_field(name));
+    writer.write_record(&header)?;
+    let mut record = csv::StringRecord::new();
+    while reader.read_record(&mut record)? {
+        let sample = map.sample(point(&record, columns)?);
+        answer(map, sample).iter().for_each(|field| record.push_field(field));
+        writer.write_record(&record)?;
+    }
+    Ok(writer.flush()?)
+}
+
+/// As [`query_csv`], as a JSON array of objects; what isn't known is null.
+///
+/// # Errors
+/// As [`query_csv`].
+pub fn query_json(map: &VolumeMap, points: impl Read, mut out: impl Write) -> Result<(), PointsError> {
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(points);
+    let columns = coordinates(&reader.headers()?.clone())?;
+    let mut separator = "[\n";
+    for record in reader.records() {
+        let at = point(&record?, columns)?;
+        write!(out, "{separator}{}", object(map, at))?;
+        separator = ",\n";
+    }
+    Ok(writeln!(out, "{}", if separator == "[\n" { "[]" } else { "\n]" })?)
+}
+
+fn coordinates(header: &csv::StringRecord) -> Result<[usize; 3], PointsError> {
+    let find = |name: &'static str| {
+        let is_it = |field: &str| field.trim_start_matches('\u{feff}').eq_ignore_ascii_case(name);
+        header.iter().position(is_it).ok_or(PointsError::NoColumn(name))
+    };
+    Ok([find("x")?, find("y")?, find("z")?])
+}
+
+fn point(record: &csv::StringRecord, columns: [usize; 3]) -> Result<DVec3, PointsError> {
+    let number = |axis: usize| {
+        let text = record.get(columns[axis]).unwrap_or("");
+        let parsed = text.parse().ok().filter(|x: &f64| x.is_finite());
+        parsed.ok_or_else(|| PointsError::NotANumber {
+            line: record.position().map_or(0, |position| position.line()),
+            column: ["x", "y", "z"][axis],
+            text: text.to_owned(),
+        })
+    };
+    Ok(DVec3::new(number(0)?, number(1)?, number(2)?))
+}
+
+/// Volume and region of a point.
+fn known(map: &VolumeMap, sample: &Sample) -> (f64, &'static str) {
+    match sample {
+        Sample::Near(boundary) => (boundary.volume, "band"),
+        Sample::Outside => (0.0, "outside"),
+        Sample::DeepInside => (map.quadrature().ball_volume, "deep_inside"),
+    }
+}
+
+fn answer(map: &VolumeMap, sample: Sample) -> [String; 9] {
+    let (volume, region) = known(map, &sample);
+    let mut out = [const { String::new() }; 9];
+    if let Sample::Near(b) = sample {
+        let [n, c] = [b.normal, b.closest_point];
+        let numbers = [b.distance, n.x, n.y, n.z, c.x, c.y, c.z];
+        out.iter_mut().zip(numbers).for_each(|(field, number)| *field = number.to_string());
+    }
+    out[7] = volume.to_string();
+    out[8] = region.to_owned();
+    out
+}
+
+fn object(map: &VolumeMap, at: DVec3) -> Json {
+    let sample = map.sample(at);
+    let (volume, region) = known(map, &sample);
+    let near = sample.near();
+    json!({
+        "point": at.to_array(),
+        "distance": near.map(|b| b.distance),
+        "normal": near.map(|b| b.normal.to_array()),
+        "closest_point": near.map(|b| b.closest_point.to_array()),
+        "volume": volume,
+        "region": region,
+    })
+}

@@ -1,0 +1,226 @@
+//! The closest point of a triangle, and the feature (face, edge, vertex) on which it lies.
+//!
+//! Ericson, *Real-Time Collision Detection* (2005), section 5.1.5, splits space into the Voronoi
+//! regions of the features. On slivers the tests for these regions cancel, so we take the nearest of
+//! four candidates instead: the point of each edge, and the projection onto the face where its
+//! barycentric coordinates are all positive. Each candidate is a point of the triangle whatever the
+//! rounding, and the edges of a sliver are never further than its height from the true point.
+
+use glam::DVec3;
+use wide::f64x4;
+
+/// The part of a triangle on which a closest point lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Feature {
+    /// The inside of the face.
+    Face,
+    /// The inside of edge i, from corner i to corner (i + 1) mod 3.
+    Edge(u8),
+    /// Corner i.
+    Vertex(u8),
+}
+
+/// The closest point of a triangle mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Closest {
+    /// Squared distance from the query point.
+    pub distance_squared: f64,
+    /// The point of the mesh.
+    pub point: DVec3,
+    /// Index of its triangle; of several at the same distance, the lowest.
+    pub triangle: u32,
+    /// The feature of that triangle.
+    pub feature: Feature,
+}
+
+/// The closest point of one triangle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TrianglePoint {
+    /// Squared distance from the query point.
+    pub distance_squared: f64,
+    /// The point of the triangle.
+    pub point: DVec3,
+    /// The feature on which it lies.
+    pub feature: Feature,
+}
+
+/// Closest point of the triangle `corners`, which may have no area.
+pub fn closest_point_on_triangle(p: DVec3, corners: &[DVec3; 3]) -> TrianglePoint {
+    let [a, b, c] = corners.map(|corner| corner - p);
+    let mut best = closest_on_edge(a, b, 0);
+    for (start, end, edge) in [(b, c, 1), (c, a, 2)] {
+        let candidate = closest_on_edge(start, end, edge);
+        if candidate.0 < best.0 {
+            best = candidate;
+        }
+    }
+    if let Some(offset) = projection_on_face(a, b, c)
+        && offset.length_squared() < best.0
+    {
+        best = (offset.length_squared(), offset, Feature::Face);
+    }
+    let (distance_squared, offset, feature) = best;
+    let point = match feature {
+        Feature::Vertex(i) => corners[i as usize],
+        _ => p + offset,
+    };
+    TrianglePoint { distance_squared, point, feature }
+}
+
+/// Squared distance, offset and feature of the point of the edge from `a` to `b` closest to the origin.
+fn closest_on_edge(a: DVec3, b: DVec3, edge: u8) -> (f64, DVec3, Feature) {
+    let along = b - a;
+    let t = -a.dot(along) / along.length_squared().max(f64::MIN_POSITIVE);
+    // The ends are taken as they are, so that all triangles at a vertex give one and the same distance.
+    let (offset, feature) = if t >= 1.0 {
+        (b, Feature::Vertex((edge + 1) % 3))
+    } else if t > 0.0 {
+        (a + along * t, Feature::Edge(edge))
+    } else {
+        (a, Feature::Vertex(edge))
+    };
+    (offset.length_squared(), offset, feature)
+}
+
+/// The origin's projection onto the face, where it falls inside.
+fn projection_on_face(a: DVec3, b: DVec3, c: DVec3) -> Option<DVec3> {
+    let normal = (b - a).cross(c - a);
+    let weights = [normal.dot(b.cross(c)), normal.dot(c.cross(a)), normal.dot(a.cross(b))];
+    let sum = weights[0] + weights[1] + weights[2];
+    if weights.iter().any(|&w| w < 0.0) || sum <= 0.0 {
+        return None;
+    }
+    Some((a * weights[0] + b * weights[1] + c * weights[2]) / sum)
+}
+
+/// Four triangles side by side, a component of the four in one SIMD register.
+#[derive(Clone, Debug)]
+pub struct TriangleBlock {
+    corners: [Vec4; 3],
+}
+
+impl TriangleBlock {
+    /// One to four triangles; the places left over hold the first corner of the last triangle as a
+    /// triangle without area, which changes neither distances nor solid angles.
+    pub fn new(triangles: &[[DVec3; 3]]) -> TriangleBlock {
+        let last = triangles[triangles.len() - 1][0];
+        let corner = |k: usize| {
+            let lane = |i: usize| triangles.get(i).map_or(last, |triangle| triangle[k]);
+            Vec4::from_lanes([lane(0), lane(1), lane(2), lane(3)])
+        };
+        TriangleBlock { corners: [corner(0), corner(1), corner(2)] }
+    }
+
+    /// The corners of the four triangles.
+    #[inline]
+    pub fn corners(&self) -> &[Vec4; 3] {
+        &self.corners
+    }
+
+    /// Squared distances from `p` to the four triangles: `closest_point_on_triangle` without branches.
+    #[inline]
+    pub fn distances_squared(&self, p: DVec3) -> f64x4 {
+        let p = Vec4::splat(p);
+        let [a, b, c] = [self.corners[0] - p, self.corners[1] - p, self.corners[2] - p];
+        let edges = edge_distance_squared(a, b)
+            .fast_min(edge_distance_squared(b, c))
+            .fast_min(edge_distance_squared(c, a));
+        let normal = (b - a).cross(c - a);
+        let weight_a = normal.dot(b.cross(c));
+        let weight_b = normal.dot(c.cross(a));
+        let weight_c = normal.dot(a.cross(b));
+        let sum = weight_a + weight_b + weight_c;
+        let inside = weight_a.fast_min(weight_b).fast_min(weight_c);
+        let offset = (a.scale(weight_a) + b.scale(weight_b) + c.scale(weight_c))
+            .scale(f64x4::ONE / sum.fast_max(f64x4::splat(f64::MIN_POSITIVE)));
+        let face = (inside.simd_ge(f64x4::ZERO) & sum.simd_gt(f64x4::ZERO)).select(offset.dot(offset), edges);
+        face.fast_min(edges)
+    }
+}
+
+#[inline(always)]
+fn edge_distance_squared(a: Vec4, b: Vec4) -> f64x4 {
+    let along = b - a;
+    let t = -a.dot(along) / along.dot(along).fast_max(f64x4::splat(f64::MIN_POSITIVE));
+    let offset = a + along.scale(t.fast_max(f64x4::ZERO));
+    t.simd_ge(f64x4::ONE).select(b.dot(b), offset.dot(offset))
+}
+
+/// Four points or vectors of space.
+#[derive(Clone, Copy, Debug)]
+pub struct Vec4 {
+    /// Their x coordinates.
+    pub x: f64x4,
+    /// Their y coordinates.
+    pub y: f64x4,
+    /// Their z coordinates.
+    pub z: f64x4,
+}
+
+impl Vec4 {
+    /// Four times the same vector.
+    #[inline(always)]
+    pub fn splat(v: DVec3) -> Vec4 {
+        Vec4 { x: f64x4::splat(v.x), y: f64x4::splat(v.y), z: f64x4::splat(v.z) }
+    }
+
+    /// Four vectors.
+    pub fn from_lanes(v: [DVec3; 4]) -> Vec4 {
+        Vec4 { x: f64x4::new(v.map(|v| v.x)), y: f64x4::new(v.map(|v| v.y)), z: f64x4::new(v.map(|v| v.z)) }
+    }
+
+    /// Vector i.
+    pub fn lane(self, i: usize) -> DVec3 {
+        DVec3::new(self.x.as_array()[i], self.y.as_array()[i], self.z.as_array()[i])
+    }
+
+    /// Sets vector i.
+    pub fn set_lane(&mut self, i: usize, v: DVec3) {
+        self.x.as_mut_array()[i] = v.x;
+        self.y.as_mut_array()[i] = v.y;
+        self.z.as_mut_array()[i] = v.z;
+    }
+
+    /// The sum of the four.
+    pub fn sum_lanes(self) -> DVec3 {
+        DVec3::new(self.x.reduce_add(), self.y.reduce_add(), self.z.reduce_add())
+    }
+
+    /// Dot products.
+    #[inline(always)]
+    pub fn dot(self, o: Vec4) -> f64x4 {
+        self.x * o.x + self.y * o.y + self.z * o.z
+    }
+
+    /// Cross products.
+    #[inline(always)]
+    pub fn cross(self, o: Vec4) -> Vec4 {
+        Vec4 {
+            x: self.y * o.z - self.z * o.y,
+            y: self.z * o.x - self.x * o.z,
+            z: self.x * o.y - self.y * o.x,
+        }
+    }
+
+    /// Each vector times its own factor.
+    #[inline(always)]
+    pub fn scale(self, s: f64x4) -> Vec4 {
+        Vec4 { x: self.x * s, y: self.y * s, z: self.z * s }
+    }
+}
+
+impl std::ops::Add for Vec4 {
+    type Output = Vec4;
+    #[inline(always)]
+    fn add(self, o: Vec4) -> Vec4 {
+        Vec4 { x: self.x + o.x, y: self.y + o.y, z: self.z + o.z }
+    }
+}
+
+impl std::ops::Sub for Vec4 {
+    type Output = Vec4;
+    #[inline(always)]
+    fn sub(self, o: Vec4) -> Vec4 {
+        Vec4 { x: self.x - o.x, y: self.y - o.y, z: self.z - o.z }
+    }
+}

@@ -1,0 +1,115 @@
+//! The summary of a bake, as a person reads it.
+
+use crate::bake::{CellCounts, Summary};
+use std::fmt::{self, Display, Formatter};
+
+impl Display for Summary {
+    fn fmt(&self, f: &mut Formatter) -> fmt::Result {
+        let (found, [min, max]) = (&self.diagnosis, self.bounds);
+        writeln!(f, "mesh       {}: {}", self.source.file, self.faces())?;
+        writeln!(f, "           {}", self.state())?;
+        writeln!(f, "           box {:.4} to {:.4} m, area {:.4} m^2", min, max, found.area)?;
+        writeln!(f, "sign       {}", self.sign.reason)?;
+        let grid = self.plan.grid;
+        let n = grid.resolution;
+        writeln!(
+            f,
+            "grid       {} x {} x {} cells of {} m, support radius {} m",
+            n.x,
+            n.y,
+            n.z,
+            edges(grid.cell_size.to_array()),
+            self.plan.support_radius
+        )?;
+        let CellCounts { grid: all, band, .. } = self.cells;
+        writeln!(
+            f,
+            "cells      {} of {} kept ({:.1} %)",
+            thousands(band),
+            thousands(all),
+            percent(band, all)
+        )?;
+        let [dense, sparse] = self.field_bytes;
+        writeln!(f, "memory     {} dense, {} sparse", bytes(dense), bytes(sparse))?;
+        let stages: Vec<String> =
+            self.seconds.iter().map(|(name, seconds)| format!("{name} {seconds:.2}")).collect();
+        let total: f64 = self.seconds.iter().map(|(_, seconds)| seconds).sum();
+        write!(f, "time       {total:.2} s: {}", stages.join(", "))?;
+        for warning in &self.warnings {
+            write!(f, "\nwarning    {warning}")?;
+        }
+        Ok(())
+    }
+}
+
+impl Summary {
+    fn faces(&self) -> String {
+        let cleaning = &self.cleaning;
+        let mut parts = vec![format!("{} triangles", thousands(self.diagnosis.triangles as u64))];
+        let found = [
+            (cleaning.quads, "quads split"),
+            (cleaning.polygons, "polygons split"),
+            (cleaning.welded, "vertices welded"),
+            (cleaning.degenerate, "degenerate faces dropped"),
+            (cleaning.duplicates, "duplicate faces dropped"),
+            (cleaning.unreferenced, "unused vertices dropped"),
+            (cleaning.zero_area, "without area"),
+            (cleaning.fan_fallbacks, "polygons that intersect themselves"),
+        ];
+        if cleaning.objects > 1 {
+            parts.push(format!("{} objects joined", cleaning.objects));
+        }
+        let counted = found.iter().filter(|(n, _)| *n > 0);
+        parts.extend(counted.map(|(n, what)| format!("{} {what}", thousands(*n as u64))));
+        parts.join(", ")
+    }
+
+    fn state(&self) -> String {
+        let found = &self.diagnosis;
+        let yes = |is: bool, what: &str| if is { what.to_owned() } else { format!("NOT {what}") };
+        let mut parts = vec![
+            yes(found.closed, "closed"),
+            yes(found.oriented, "oriented"),
+            yes(found.manifold_edges && found.manifold_vertices, "manifold"),
+            format!("{} component{}", found.components, if found.components == 1 { "" } else { "s" }),
+        ];
+        if found.closed && found.oriented {
+            parts.push(format!("volume {:.4} m^3", found.volume));
+        }
+        if found.cavities.count > 0 {
+            parts.push(format!("{} hollow", found.cavities.count));
+        }
+        parts.join(", ")
+    }
+}
+
+fn edges([x, y, z]: [f64; 3]) -> String {
+    if x == y && y == z { format!("{x:.4}") } else { format!("{x:.4} x {y:.4} x {z:.4}") }
+}
+
+fn percent(part: u64, whole: u64) -> f64 {
+    100.0 * part as f64 / whole as f64
+}
+
+/// 1234567 as 1,234,567.
+pub fn thousands(n: u64) -> String {
+    let digits = n.to_string();
+    let mut out = String::new();
+    for (at, digit) in digits.chars().enumerate() {
+        if at > 0 && (digits.len() - at) % 3 == 0 {
+            out.push(',');
+        }
+        out.push(digit);
+    }
+    out
+}
+
+/// A size in the unit that suits it.
+pub fn bytes(n: u64) -> String {
+    match n {
+        0..10_000 => format!("{n} B"),
+        10_000..10_000_000 => format!("{:.1} kB", n as f64 / 1e3),
+        10_000_000..10_000_000_000 => format!("{:.1} MB", n as f64 / 1e6),
+        _ => format!("{:.1} GB", n as f64 / 1e9),
+    }
+}

@@ -1,0 +1,8 @@
+//! Meshes and distances, compared with closed forms and with the slow twins.
+
+mod distance;
+mod orientation;
+mod shapes;
+mod sign;
+mod topology;
+mod winding;
