@@ -114,8 +114,8 @@ pub struct Estimate {
 const MAX_ROWS: u64 = 1 << 24;
 const MAX_CELLS_PER_AXIS: f64 = (1u32 << 20) as f64;
 /// Measured on one core of an EPYC of 2023: `baker/BENCHMARKS.md`.
-const SECONDS_PER_SAMPLE: f64 = 12e-9;
-const SECONDS_PER_NODE: f64 = 4e-6;
+const SECONDS_PER_SAMPLE: f64 = 4e-9;
+const SECONDS_PER_NODE: f64 = 2e-6;
 const BYTES_PER_NODE: u64 = 64;
 const BYTES_PER_ROW: u64 = 48;
 

@@ -6,7 +6,7 @@
 
 use super::error::AssetError;
 use super::filters;
-use super::publish::Unfinished;
+use super::publish::publish;
 use super::read::read_tree;
 use super::tree::{Array, Attributes, Dataset, Tree, Value};
 use rust_hdf5::{DatatypeMessage, Filter, FilterPipeline, H5Dataset, H5File, H5Group, H5Type};
@@ -30,17 +30,17 @@ impl Default for Compression {
 /// Elements of a chunk along its first axis times the other axes.
 const CHUNK_ELEMENTS: usize = 1 << 16;
 
-/// Writes to an unfinished file, reads that back, and only then gives it its name.
+/// Writes to a scratch file in the system's temporary folder, reads that back, and only then makes the file.
 pub(super) fn write_file(path: &Path, tree: &Tree, compression: Compression) -> Result<(), AssetError> {
-    let unfinished = Unfinished::beside(path)?;
-    write_tree(&unfinished.path(), tree, compression)?;
+    let scratch = tempfile::Builder::new().prefix("volmap-").suffix(".h5").tempfile()?;
+    write_tree(scratch.path(), tree, compression)?;
+    let bytes = std::fs::read(scratch.path())?;
     let groups: Vec<&str> = tree.groups.keys().map(String::as_str).collect();
     let datasets: Vec<&str> = tree.datasets.keys().map(String::as_str).collect();
-    let written = std::fs::read(unfinished.path())?;
-    if read_tree(written, &groups, &datasets, |_| Ok(()))? != *tree {
+    if read_tree(bytes.clone(), &groups, &datasets, |_| Ok(()))? != *tree {
         return Err(AssetError::Container("what was written doesn't read back".into()));
     }
-    Ok(unfinished.publish()?)
+    Ok(publish(&bytes, path)?)
 }
 
 fn write_tree(path: &Path, tree: &Tree, compression: Compression) -> Result<(), AssetError> {
