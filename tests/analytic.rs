@@ -46,7 +46,6 @@ fn errors_fall_at_the_order_of_the_element() {
     for solid in [&SPHERE, &TORUS] {
         let mut previous: Option<[f64; 2]> = None;
         for resolution in [20, 40, 80] {
-            let start = std::time::Instant::now();
             let fine = errors(solid, resolution, Rule::Ball(10), 10_000);
             let paper = errors(solid, resolution, Rule::GaussLegendre(30), 10_000);
             let orders = previous.map(|p| [(p[0] / fine[0]).log2(), (p[1] / fine[1]).log2()]);
@@ -56,7 +55,6 @@ fn errors_fall_at_the_order_of_the_element() {
                 solid.name, fine[0], fine[1], paper[1]
             );
             previous = Some(fine);
-            println!("{:?}", start.elapsed());
         }
     }
 }
