@@ -35,7 +35,7 @@ pub(super) fn write_file(path: &Path, tree: &Tree, compression: Compression) -> 
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
     };
-    let temporary = tempfile::Builder::new().prefix(".volmap-").suffix(".part").tempfile_in(folder)?;
+    let temporary = temporary_in(folder)?;
     write_tree(temporary.path(), tree, compression)?;
     let written = std::fs::read(temporary.path())?;
     let groups: Vec<&str> = tree.groups.keys().map(String::as_str).collect();
@@ -46,6 +46,14 @@ pub(super) fn write_file(path: &Path, tree: &Tree, compression: Compression) -> 
     temporary.as_file().sync_all()?;
     temporary.persist(path).map_err(|error| error.error)?;
     Ok(())
+}
+
+/// A file with the permissions that the umask leaves to any new file; temporary files are private else.
+fn temporary_in(folder: &Path) -> std::io::Result<tempfile::NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    builder.prefix(".volmap-").suffix(".part").tempfile_in(folder)
 }
 
 fn write_tree(path: &Path, tree: &Tree, compression: Compression) -> Result<(), AssetError> {
@@ -155,5 +163,20 @@ fn write_numbers<T: H5Type>(target: &Target, name: &str, values: &[T]) -> rust_h
             let attribute = dataset.new_attr::<T>().shape([values.len()]).create(name)?;
             attribute.write_array(values)
         }
+    }
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+    use std::os::unix::fs::PermissionsExt;
+
+    #[test]
+    fn the_written_file_has_the_permissions_of_any_new_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let mode = |path: &Path| std::fs::metadata(path).unwrap().permissions().mode();
+        let plain = folder.path().join("plain");
+        std::fs::File::create(&plain).unwrap();
+        assert_eq!(mode(temporary_in(folder.path()).unwrap().path()), mode(&plain));
     }
 }
