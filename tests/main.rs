@@ -2,6 +2,8 @@
 
 mod analytic;
 mod peer;
+mod queries;
+mod volume;
 
 #[cfg(feature = "interop")]
 mod interop_meshes;
