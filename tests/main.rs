@@ -6,4 +6,6 @@ mod queries;
 mod volume;
 
 #[cfg(feature = "interop")]
+mod interop_asset;
+#[cfg(feature = "interop")]
 mod interop_meshes;
