@@ -37,8 +37,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut short = asset();
     short.bake.clear();
     asset::write(&corpus.join("open_asset/short"), &short, Compression::Zstd(1))?;
-    // Origin, cell size, resolution, radius, exterior, volume; two runs and their number; fields.
-    std::fs::write(corpus.join("open_content/two_runs"), [&[1; 12][..], &[2, 0, 0, 0, 1], &[0; 40]].concat())?;
+    // Grid, radius, exterior, volume of the ball; one run in the band, none in the solid; two fields; points.
+    let content = [&[1; 12][..], &[1, 0, 0, 0, 1, 0, 3, 9, 3, 5], &[8; 40]].concat();
+    std::fs::write(corpus.join("open_content/one_cell"), content)?;
     for (number, sample) in samples::boxes().into_iter().enumerate() {
         let format = MeshFormat::ALL.iter().position(|&f| f == sample.format).unwrap_or(0) as u8;
         std::fs::write(corpus.join(format!("read_mesh/{number}")), [&[format][..], &sample.bytes].concat())?;

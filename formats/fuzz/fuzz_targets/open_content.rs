@@ -35,8 +35,10 @@ impl Numbers<'_> {
     }
 
     fn runs(&mut self) -> Vec<CellRun> {
-        let run = |_| CellRun { i: self.integer(), j: self.integer(), k: self.integer(), len: self.integer() };
-        (0..self.0.first().copied().unwrap_or(0) % 16).map(run).collect()
+        let count = self.byte() % 16;
+        let run =
+            |_| CellRun { i: self.integer(), j: self.integer(), k: self.integer(), len: self.integer() };
+        (0..count).map(run).collect()
     }
 
     fn array(&mut self, count: usize) -> Array {
