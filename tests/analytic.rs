@@ -6,7 +6,7 @@ use volmap_baker::volume_map::quadrature::{Point, Rule};
 use volmap_runtime::DVec3;
 use volmap_tests::{Random, SPHERE, Solid, TORUS, map_of};
 
-const RADIUS: f64 = 0.1;
+const RADIUS: f64 = 0.05;
 
 /// Eq. 12 on the exact distance, by a rule that is converged to 5e-5 of the ball.
 fn reference(solid: &Solid, rule: &[Point], x: DVec3) -> f64 {
@@ -67,7 +67,7 @@ fn table(part_of_finest: Part) {
             previous = Some(ball);
             orders.extend(order);
             // The order-30 rule's own error, 2.6 % of the ball (quadrature's tests), is the floor of the last column.
-            assert!(paper[1] > 0.02 && paper[1] < 0.04);
+            assert!(paper[1] > 0.02 && paper[1] < 0.05);
         }
         // Cubic elements: fourth order. The volume meets the floor of its rule (2e-4) at the finest grid.
         assert!(orders.iter().all(|order| order[0] > 3.5), "{}: {orders:?}", solid.name);

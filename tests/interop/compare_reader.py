@@ -89,7 +89,7 @@ def refuse_damage(volmap, path, folder):
         }
         places |= {name: content.find(value) for name, value in known.items()}
         for name in read_asset.TABLES + read_asset.FIELDS:
-            if file[name].id.get_num_chunks():
+            if file[name].size:
                 chunk = file[name].id.get_chunk_info(0)
                 places[name] = chunk.byte_offset + chunk.size // 2
     copy, good = folder / "damaged.h5", True

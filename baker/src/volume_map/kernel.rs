@@ -7,7 +7,7 @@ use super::extension::extension;
 use volmap_runtime::serendipity::NODES;
 
 /// Points that are worked on together.
-pub const LANES: usize = 16;
+pub const LANES: usize = 8;
 
 /// Shape values and weights of up to [`LANES`] points in one cell; unused lanes have weight 0.
 #[derive(Clone, Debug)]
