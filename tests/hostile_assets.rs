@@ -109,7 +109,8 @@ fn samples(map: &VolumeMap) -> Vec<Sample> {
 /// The kind of an error; its message must tell something.
 fn kind(error: &Error) -> &'static str {
     let message = error.to_string();
-    assert!(message.len() > 20 && !message.contains('\0'), "{message:?}");
+    // Nothing from the file that a terminal would obey.
+    assert!(message.len() > 20 && message.len() < 1000 && !message.contains(char::is_control), "{message:?}");
     match error {
         Error::Asset(AssetError::InFile { source, .. }) if matches!(**source, AssetError::Invalid { .. }) => {
             "refused by the writer"
@@ -149,7 +150,7 @@ impl Tally {
         self.time = self.time.max(start.elapsed());
         let memory = MEMORY.peak_usage().saturating_sub(before);
         self.memory = self.memory.max(memory);
-        let kind = outcome.unwrap_or("PANIC");
+        let kind = outcome.unwrap_or("PANIC OR BAD MESSAGE");
         *self.kinds.entry(kind).or_default() += 1;
         let bad = kind.chars().all(|c| c.is_uppercase() || c == ' ');
         if bad || memory > MAX_MEMORY || start.elapsed() > MAX_TIME {

@@ -55,3 +55,10 @@ impl AssetError {
         AssetError::Invalid { what: what.into(), reason: reason.into() }
     }
 }
+
+/// Text from a file as it may stand in a message: nothing that a terminal would obey, not without end.
+pub(super) fn printable(text: &str) -> String {
+    const LONGEST: usize = 200;
+    let safe = |c: char| if c.is_control() { '\u{FFFD}' } else { c };
+    text.chars().take(LONGEST).map(safe).collect()
+}

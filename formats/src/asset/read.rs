@@ -3,7 +3,7 @@
 //! Nothing in the file is trusted: memory is bounded by the size of the file, and the tree's checksums are
 //! compared before it is returned.
 
-use super::error::AssetError;
+use super::error::{AssetError, printable};
 use super::tree::{Array, Attributes, Dataset, Tree, Value};
 use hdf5_reader::error::Error as Hdf5Error;
 use hdf5_reader::filters::FilterRegistry;
@@ -68,20 +68,21 @@ fn options(budget: usize) -> OpenOptions {
 }
 
 fn container(error: Hdf5Error) -> AssetError {
-    AssetError::Container(error.to_string())
+    AssetError::Container(printable(&error.to_string()))
 }
 
 fn object_error(path: &str, error: Hdf5Error) -> AssetError {
     match error {
         Hdf5Error::GroupNotFound(_) | Hdf5Error::DatasetNotFound(_) => AssetError::Missing(path.into()),
-        other => AssetError::Container(format!("{path}: {other}")),
+        other => AssetError::Container(printable(&format!("{path}: {other}"))),
     }
 }
 
 fn values(path: &str, attributes: &[Attribute]) -> Result<Attributes, AssetError> {
     let named = |attribute: &Attribute| {
-        let value = value(attribute)
-            .map_err(|reason| AssetError::invalid(format!("{}@{}", path, attribute.name), reason))?;
+        let value = value(attribute).map_err(|reason| {
+            AssetError::invalid(format!("{path}@{}", printable(&attribute.name)), printable(&reason))
+        })?;
         Ok((attribute.name.clone(), value))
     };
     attributes.iter().map(named).collect()
@@ -104,7 +105,7 @@ fn read_dataset(path: &str, dataset: &dataset::Dataset, budget: &mut usize) -> R
     let count = shape.iter().try_fold(1usize, |product, &n| product.checked_mul(n));
     let bytes = count.and_then(|n| n.checked_mul(8)).ok_or_else(too_large)?;
     *budget = budget.checked_sub(bytes).ok_or_else(too_large)?;
-    let failed = |error: Hdf5Error| AssetError::Container(format!("{path}: {error}"));
+    let failed = |error: Hdf5Error| AssetError::Container(printable(&format!("{path}: {error}")));
     let array = match dataset.dtype() {
         Datatype::FloatingPoint { size: 4, .. } => Array::F32(elements(dataset).map_err(failed)?),
         Datatype::FloatingPoint { size: 8, .. } => Array::F64(elements(dataset).map_err(failed)?),

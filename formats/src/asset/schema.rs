@@ -1,6 +1,6 @@
 //! What the objects of the file mean: [`Asset`] to [`Tree`] and back. `SPEC.md` is this file in prose.
 
-use super::error::AssetError;
+use super::error::{AssetError, printable};
 #[cfg(feature = "write")]
 use super::tree::Dataset;
 use super::tree::{Array, Attributes, Tree, Value};
@@ -254,7 +254,8 @@ impl<'a> Reader<'a> {
         if found == expected {
             return Ok(());
         }
-        Err(self.invalid(name, &format!("is `{found}`, but this version knows only `{expected}`")))
+        Err(self
+            .invalid(name, &format!("is `{}`, but this version knows only `{expected}`", printable(&found))))
     }
 
     fn integers<const N: usize>(&self, name: &str) -> Result<[u64; N], AssetError> {
