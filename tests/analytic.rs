@@ -49,39 +49,48 @@ fn errors(solid: &Solid, resolution: u32, part: Part, rule: Rule) -> [f64; 2] {
     worst
 }
 
-fn table(part_of_finest: Part) {
-    println!("max error at 10,000 random points of the band, r = {RADIUS} m");
-    println!("shape   cells  distance/m  order  volume/ball ball10  order  volume/ball gl30");
+/// Prints the table; returns, per solid and step of refinement, the orders of distance and volume, and at last the
+/// finest errors of volume with both rules.
+fn table(solid: &Solid, part_of_finest: Part) -> (Vec<[f64; 2]>, [f64; 2]) {
+    println!("{}: max error at 10,000 random points of the band, r = {RADIUS} m", solid.name);
+    println!("cells  distance/m  order  volume/ball ball10  order  volume/ball gl30");
+    let mut previous: Option<[f64; 2]> = None;
+    let (mut orders, mut finest) = (Vec::new(), [0.0; 2]);
+    for (resolution, part) in [(20, Part::Whole), (40, Part::Whole), (80, part_of_finest)] {
+        let ball = errors(solid, resolution, part, Rule::Ball(10));
+        let paper = errors(solid, resolution, part, Rule::GaussLegendre(30));
+        let order = previous.map(|p| [(p[0] / ball[0]).log2(), (p[1] / ball[1]).log2()]);
+        let [phi_order, volume_order] = order.unwrap_or([f64::NAN; 2]);
+        println!(
+            "{resolution:3}^3  {:10.3e}  {phi_order:5.2}  {:18.3e}  {volume_order:5.2}  {:16.3e}",
+            ball[0], ball[1], paper[1]
+        );
+        previous = Some(ball);
+        orders.extend(order);
+        finest = [ball[1], paper[1]];
+    }
+    (orders, finest)
+}
+
+/// Cubic elements: fourth order for the distance, which is smooth in the band. The volume has kinks in its third
+/// derivatives, where gamma* has them in its second, and falls by the third.
+fn check_orders(part_of_finest: Part) {
     for solid in [&SPHERE, &TORUS] {
-        let mut previous: Option<[f64; 2]> = None;
-        let mut orders = Vec::new();
-        for (resolution, part) in [(20, Part::Whole), (40, Part::Whole), (80, part_of_finest)] {
-            let ball = errors(solid, resolution, part, Rule::Ball(10));
-            let paper = errors(solid, resolution, part, Rule::GaussLegendre(30));
-            let order = previous.map(|p| [(p[0] / ball[0]).log2(), (p[1] / ball[1]).log2()]);
-            let [phi_order, volume_order] = order.unwrap_or([f64::NAN; 2]);
-            println!(
-                "{:7} {resolution:4}^3  {:10.3e}  {phi_order:5.2}  {:18.3e}  {volume_order:5.2}  {:16.3e}",
-                solid.name, ball[0], ball[1], paper[1]
-            );
-            previous = Some(ball);
-            orders.extend(order);
-            // The order-30 rule's own error, 2.6 % of the ball (quadrature's tests), is the floor of the last column.
-            assert!(paper[1] > 0.02 && paper[1] < 0.05);
-        }
-        // Cubic elements: fourth order. The volume meets the floor of its rule (2e-4) at the finest grid.
-        assert!(orders.iter().all(|order| order[0] > 3.5), "{}: {orders:?}", solid.name);
-        assert!(orders[0][1] > 2.7 && previous.is_some_and(|p| p[1] < 5e-4), "{}: {orders:?}", solid.name);
+        let (orders, [ball, paper]) = table(solid, part_of_finest);
+        assert!(orders[0][0] > 3.2 && orders[1][0] > 3.9, "{}: {orders:?}", solid.name);
+        assert!(orders[0][1] > 2.5 && orders[1][1] > 3.0, "{}: {orders:?}", solid.name);
+        // The order-30 rule's own error of 2.6 % of the ball is its floor.
+        assert!(ball < 2e-3 && (0.025..0.04).contains(&paper), "{}: {ball} {paper}", solid.name);
     }
 }
 
 #[test]
 fn errors_fall_at_the_order_of_the_element() {
-    table(Part::Octant);
+    check_orders(Part::Octant);
 }
 
 #[cfg(feature = "long")]
 #[test]
 fn errors_fall_at_the_order_of_the_element_on_the_whole_of_80_cubed() {
-    table(Part::Whole);
+    check_orders(Part::Whole);
 }

@@ -46,7 +46,7 @@ pub struct Solid {
 /// A sphere of radius 0.5.
 pub const SPHERE: Solid = Solid {
     name: "sphere",
-    extent: Extent { min: DVec3::splat(-0.5), max: DVec3::splat(0.5), area: 3.1416 },
+    extent: Extent { min: DVec3::splat(-0.5), max: DVec3::splat(0.5), area: std::f64::consts::PI },
     phi: |x| x.length() - 0.5,
 };
 

@@ -35,7 +35,8 @@ def choose_points(asset):
     cell_faces[one, axis] = corners[one, axis]
     upper = rng.integers(0, 2, 300) == 1
     faces[one, axis] = np.where(upper, high[axis], low[axis])
-    outside[one, axis] = np.where(upper, high[axis] + size[axis] * rng.random(300), low[axis] - size[axis] * rng.random(300))
+    off = size[axis] * rng.random(300)
+    outside[one, axis] = np.where(upper, high[axis] + off, low[axis] - off)
     domain = np.array([low, high])
     domain_corners = np.stack(np.meshgrid(*domain.T), -1).reshape(-1, 3)
     just_off = np.concatenate([np.nextafter(domain_corners, 0), np.nextafter(domain_corners, 2 * domain_corners)])
@@ -67,7 +68,8 @@ def compare(volmap, path, folder):
         return False
     reach = np.nanmax(np.abs(ours[:, 4:7]), initial=0)
     magnitude = [np.abs(asset.phi).max(initial=0), 1, 1, 1, reach, reach, reach, asset.ball_volume]
-    for name, difference, unit in zip(read_asset.COLUMNS, np.nanmax(np.abs(ours - theirs), axis=0, initial=0), magnitude):
+    differences = np.nanmax(np.abs(ours - theirs), axis=0, initial=0)
+    for name, difference, unit in zip(read_asset.COLUMNS, differences, magnitude):
         within = difference <= TOLERANCE * unit
         good &= within
         relative = difference / unit if unit else 0
