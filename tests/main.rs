@@ -1,6 +1,11 @@
 //! The tests of volmap that go through more than one crate, in one binary.
 
 mod analytic;
+mod peer;
+mod queries;
+mod volume;
 
+#[cfg(feature = "interop")]
+mod interop_asset;
 #[cfg(feature = "interop")]
 mod interop_meshes;

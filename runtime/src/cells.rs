@@ -91,7 +91,8 @@ impl CellIndex {
         let band_rows = row_table(resolution, band);
         let solid_rows = row_table(resolution, solid);
         let mut runs = Vec::with_capacity(band.len() + solid.len());
-        let mut row_start = vec![0];
+        let mut row_start = Vec::with_capacity(band_rows.len());
+        row_start.push(0);
         for row in 0..band_rows.len() - 1 {
             let begin = runs.len();
             let range = |table: &[u32]| table[row] as usize..table[row + 1] as usize;

@@ -159,7 +159,9 @@ fn number_family(
     let (neighbours, longer) = family.neighbours();
     let rows_y = resolution.y + u32::from(family != Family::EdgeY);
     let rows_z = resolution.z + u32::from(family != Family::EdgeZ);
-    let mut row_start = vec![0];
+    // To size: grown by doubling, the largest grid would take twice as much.
+    let mut row_start = Vec::with_capacity(rows_y as usize * rows_z as usize + 1);
+    row_start.push(0);
     let mut intervals = Vec::new();
     let mut touched: Vec<(u32, u32)> = Vec::new();
     for k in 0..rows_z {

@@ -5,12 +5,13 @@ use crate::error::Error;
 use crate::grid::Grid;
 use crate::nodes::Nodes;
 use crate::query::{Fields, VolumeMap};
-use glam::UVec3;
+use glam::{DVec3, UVec3};
 use std::path::Path;
 use volmap_formats::asset::{self, Array, Asset, CellRun};
 
 /// Rows of cells (resolution y times z) that an index is made for.
 const MAX_ROWS: u64 = 1 << 24;
+const MAX_CELLS_PER_AXIS: u32 = 1 << 20;
 
 impl VolumeMap {
     /// Opens an asset.
@@ -33,9 +34,14 @@ impl VolumeMap {
     /// Opens an asset that is in memory.
     ///
     /// # Errors
-    /// Cells outside the grid or out of order, fields of another length than the nodes.
+    /// A grid without cells or of infinite extent, a radius that isn't positive, cells outside the grid or out of
+    /// order, fields of another length than the nodes or with values that aren't finite.
     pub fn from_asset(asset: &Asset) -> Result<VolumeMap, Error> {
         let grid = Grid::from(asset.grid);
+        check_grid(&grid)?;
+        if !(asset.support_radius > 0.0 && asset.support_radius.is_finite()) {
+            return Err(Error::inconsistent("/grid@support_radius", "isn't positive and finite"));
+        }
         check_runs("/cells/band", &asset.band_cells, grid.resolution)?;
         check_runs("/cells/solid", &asset.solid_cells, grid.resolution)?;
         check_disjoint(&asset.band_cells, &asset.solid_cells)?;
@@ -53,10 +59,22 @@ impl VolumeMap {
     }
 }
 
-fn check_runs(what: &'static str, runs: &[CellRun], resolution: UVec3) -> Result<(), Error> {
+fn check_grid(grid: &Grid) -> Result<(), Error> {
+    let resolution = grid.resolution;
+    if resolution.min_element() == 0 || resolution.max_element() > MAX_CELLS_PER_AXIS {
+        return Err(Error::inconsistent("/grid@resolution", "is outside 1 to 1048576 cells an axis"));
+    }
     if u64::from(resolution.y) * u64::from(resolution.z) > MAX_ROWS {
         return Err(Error::inconsistent("/grid", "has more than 2^24 rows of cells"));
     }
+    if !(grid.cell_size.cmpgt(DVec3::ZERO).all() && grid.origin.is_finite() && grid.max_corner().is_finite())
+    {
+        return Err(Error::inconsistent("/grid", "isn't a finite box of cells larger than zero"));
+    }
+    Ok(())
+}
+
+fn check_runs(what: &'static str, runs: &[CellRun], resolution: UVec3) -> Result<(), Error> {
     let mut free = (0, 0, 0);
     for (row, run) in runs.iter().enumerate() {
         let end = run.i.checked_add(run.len).filter(|&end| end <= resolution.x && run.len > 0);
@@ -89,10 +107,21 @@ fn interleave(distance: &Array, volume: &Array, nodes: usize) -> Result<Fields, 
             let reason = format!("has {} values for {nodes} nodes", field.len());
             return Err(Error::inconsistent(what, reason));
         }
+        if !is_finite(field) {
+            return Err(Error::inconsistent(what, "has values that aren't finite"));
+        }
     }
     match (distance, volume) {
         (Array::F32(d), Array::F32(v)) => Ok(Fields::F32(d.iter().zip(v).map(|(&d, &v)| [d, v]).collect())),
         (Array::F64(d), Array::F64(v)) => Ok(Fields::F64(d.iter().zip(v).map(|(&d, &v)| [d, v]).collect())),
         _ => Err(Error::inconsistent("/fields", "differ in precision")),
+    }
+}
+
+fn is_finite(field: &Array) -> bool {
+    match field {
+        Array::F32(v) => v.iter().all(|x| x.is_finite()),
+        Array::F64(v) => v.iter().all(|x| x.is_finite()),
+        Array::U32(_) => true,
     }
 }

@@ -34,7 +34,7 @@ fn named(folder: &Path) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(".volmap-").suffix(".part");
     #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o644));
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     builder.tempfile_in(folder)
 }
 
@@ -49,7 +49,7 @@ mod linux {
     /// A file without a name, if the file system has such.
     pub fn nameless(folder: &Path) -> Option<File> {
         let flags = OFlags::RDWR | OFlags::TMPFILE | OFlags::CLOEXEC;
-        let file = File::from(open(folder, flags, Mode::from_raw_mode(0o644)).ok()?);
+        let file = File::from(open(folder, flags, Mode::from_raw_mode(0o666)).ok()?);
         // Without /proc it couldn't be linked.
         descriptor_path(&file).exists().then_some(file)
     }
@@ -69,5 +69,27 @@ mod linux {
         std::fs::remove_file(&own_name)?;
         link_to(&own_name)?;
         Ok(rename(&*own_name, target)?)
+    }
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+    use std::os::unix::fs::PermissionsExt;
+
+    #[test]
+    fn files_are_new_or_replaced_with_the_permissions_of_any_new_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let mode = |path: &Path| std::fs::metadata(path).unwrap().permissions().mode();
+        let (plain, target) = (folder.path().join("plain"), folder.path().join("target"));
+        std::fs::File::create(&plain).unwrap();
+        for content in ["first", "second"] {
+            publish(content.as_bytes(), &target).unwrap();
+            assert_eq!(std::fs::read_to_string(&target).unwrap(), content);
+            assert_eq!(mode(&target), mode(&plain));
+        }
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2, "nothing else stays");
+        assert!(publish(b"x", folder.path()).is_err());
+        assert!(publish(b"x", &folder.path().join("missing/target")).is_err());
     }
 }

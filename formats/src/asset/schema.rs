@@ -132,7 +132,11 @@ fn check_format(root: &Attributes) -> Result<(), AssetError> {
     }
 }
 
-fn asset_from_tree(mut tree: Tree) -> Result<Asset, AssetError> {
+/// What the content means.
+///
+/// # Errors
+/// Groups, attributes and datasets that are missing, of another type or out of range.
+pub(super) fn asset_from_tree(mut tree: Tree) -> Result<Asset, AssetError> {
     let root = Reader::new(&tree, "/");
     root.expect("length_unit", "m")?;
     root.expect("extension_function", EXTENSION)?;
@@ -273,6 +277,88 @@ impl<'a> Reader<'a> {
         match self.reals(name)? {
             [value] if value > 0.0 => Ok(value),
             _ => Err(self.invalid(name, "isn't positive")),
+        }
+    }
+}
+
+#[cfg(all(test, feature = "write"))]
+mod tests {
+    use super::*;
+
+    fn asset() -> Asset {
+        Asset {
+            grid: GridSpec { origin: [0.0; 3], cell_size: [0.5; 3], resolution: [2, 1, 1] },
+            support_radius: 0.1,
+            exterior: Exterior::Fluid,
+            quadrature: QuadratureSpec { name: "gl4".into(), degree: 4, points: 19, ball_volume: 0.004 },
+            band_cells: vec![CellRun { i: 0, j: 0, k: 0, len: 1 }],
+            solid_cells: Vec::new(),
+            signed_distance: Array::F64(vec![0.5; 32]),
+            volume: Array::F64(vec![0.25; 32]),
+            bake: Attributes::new(),
+            source: Attributes::new(),
+            diagnosis: Attributes::new(),
+        }
+    }
+
+    fn error_of(change: impl Fn(&mut Tree)) -> Option<String> {
+        let mut tree = tree_from_asset(&asset());
+        change(&mut tree);
+        tree.seal();
+        asset_from_tree(tree).err().map(|error| error.to_string())
+    }
+
+    #[test]
+    fn sealed_trees_of_another_schema_are_refused_by_name() {
+        assert_eq!(error_of(|_| ()), None);
+        let values =
+            [0u64.into(), Value::Text("5".into()), Value::Real(vec![]), Value::Real(vec![f64::NAN; 3])];
+        let known: Vec<(String, String)> = tree_from_asset(&asset())
+            .groups
+            .iter()
+            .flat_map(|(path, attributes)| attributes.keys().map(|name| (path.clone(), name.clone())))
+            .filter(|(path, name)| {
+                path != "/" || ["length_unit", "extension_function"].contains(&name.as_str())
+            })
+            .collect();
+        assert_eq!(known.len(), 12);
+        for (path, name) in &known {
+            let without = error_of(|tree| _ = tree.groups.get_mut(path).unwrap().remove(name)).unwrap();
+            assert_eq!(without, format!("`{path}@{name}` is missing; bake the asset again"));
+            for value in &values {
+                let valid = name == "points" || name == "degree";
+                let set = |tree: &mut Tree| {
+                    tree.groups.get_mut(path).unwrap().insert(name.clone(), value.clone());
+                };
+                match error_of(set) {
+                    Some(error) => assert!(error.contains(&format!("{path}@{name}")), "{error}"),
+                    None => {
+                        assert!(valid && *value == 0u64.into() || path == "/quadrature" && name == "name")
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn sealed_datasets_of_another_shape_are_refused_by_name() {
+        for path in DATASETS {
+            let dataset =
+                |tree: &mut Tree, change: fn(&mut Dataset)| change(tree.datasets.get_mut(path).unwrap());
+            let cube = error_of(|tree| dataset(tree, |d| d.shape = vec![1, d.array.len(), 1])).unwrap();
+            let integers = error_of(|tree| {
+                dataset(tree, |d| {
+                    d.array = match &d.array {
+                        Array::U32(v) => Array::F32(v.iter().map(|&x| x as f32).collect()),
+                        other => Array::U32(vec![0; other.len()]),
+                    }
+                })
+            })
+            .unwrap();
+            let missing = error_of(|tree| _ = tree.datasets.remove(path)).unwrap();
+            for error in [cube, integers, missing] {
+                assert!(error.contains(path), "{error}");
+            }
         }
     }
 }

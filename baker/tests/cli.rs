@@ -1,0 +1,268 @@
+//! The program as a user calls it.
+
+use assert_cmd::Command;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command as Process, Stdio};
+use std::time::Duration;
+use tempfile::TempDir;
+
+fn data(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../data").join(name)
+}
+
+fn volmap(folder: &TempDir) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_volmap"));
+    command.current_dir(folder.path()).timeout(Duration::from_secs(120));
+    command
+}
+
+fn folder() -> TempDir {
+    tempfile::tempdir().unwrap()
+}
+
+fn names(folder: &TempDir) -> Vec<String> {
+    let mut names: Vec<String> =
+        fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+/// Standard output of a command that must succeed.
+fn output(command: &mut Command) -> String {
+    String::from_utf8(command.assert().success().get_output().stdout.clone()).unwrap()
+}
+
+/// Standard error of a command that must fail with code 1.
+fn error(command: &mut Command) -> String {
+    let text = String::from_utf8(command.assert().code(1).get_output().stderr.clone()).unwrap();
+    assert!(text.contains("error: ") && !text.contains("panicked"), "{text}");
+    text
+}
+
+#[test]
+fn bake_info_query() {
+    let folder = folder();
+    let summary = output(volmap(&folder).arg("bake").arg(data("duck.obj")).args(["--resolution", "20"]));
+    for part in
+        ["19,136 triangles", "closed", "of 8,000 kept", "dense", "sparse", "time ", "duck.h5", "volmap info"]
+    {
+        assert!(summary.contains(part), "no `{part}` in\n{summary}");
+    }
+    assert_eq!(names(&folder), ["duck.h5"]);
+    let text = output(volmap(&folder).args(["info", "duck.h5"]));
+    assert!(text.contains("support_radius") && text.contains("duck.obj"), "{text}");
+    let json: serde_json::Value =
+        serde_json::from_str(&output(volmap(&folder).args(["info", "duck.h5", "--json"]))).unwrap();
+    assert_eq!(json["support_radius"], 0.1);
+    assert_eq!(json["grid"]["resolution"], serde_json::json!([20, 20, 20]));
+    assert_eq!(json["quadrature"]["points"], 1008);
+    assert_eq!(json["source"]["triangles"], 19136);
+    assert_eq!(json["diagnosis"]["closed"], 1);
+
+    fs::write(folder.path().join("p.csv"), "id,x,y,z\na,0.62,0,0\nb,0,0,0\nc,9,9,9\n").unwrap();
+    let table = output(volmap(&folder).args(["query", "duck.h5", "--points", "p.csv"]));
+    let lines: Vec<&str> = table.lines().collect();
+    assert_eq!(lines[0], "id,x,y,z,distance,nx,ny,nz,cx,cy,cz,volume,region");
+    assert!(lines[1].starts_with("a,0.62,0,0,0.1") && lines[1].ends_with("band"), "{table}");
+    assert_eq!(lines[3], "c,9,9,9,,,,,,,,0,outside");
+    let rows: serde_json::Value = serde_json::from_str(&output(
+        volmap(&folder)
+            .args(["query", "duck.h5", "--points", "-", "--json"])
+            .write_stdin("x,y,z\n0.62,0,0\n"),
+    ))
+    .unwrap();
+    let distance = lines[1].split(',').nth(4).unwrap().parse::<f64>().unwrap();
+    assert_eq!(rows[0]["distance"], distance);
+    let empty =
+        output(volmap(&folder).args(["query", "duck.h5", "--points", "-", "--json"]).write_stdin("x,y,z\n"));
+    assert_eq!(empty.trim(), "[]");
+}
+
+#[test]
+fn bytes_depend_on_input_and_parameters_alone() {
+    let folder = folder();
+    let mut first: Option<Vec<u8>> = None;
+    for threads in ["1", "2", "5", "1"] {
+        let options =
+            ["--resolution", "17", "--support-radius", "0.12", "-o", "a.h5", "-q", "--threads", threads];
+        output(volmap(&folder).arg("bake").arg(data("duck.obj")).args(options));
+        let bytes = fs::read(folder.path().join("a.h5")).unwrap();
+        assert!(first.get_or_insert_with(|| bytes.clone()) == &bytes, "{threads} threads");
+    }
+    // In another folder, at another time, as JSON or with the checks: the same asset.
+    let other = tempfile::tempdir().unwrap();
+    let options = ["--resolution", "17", "--support-radius", "0.12", "-o", "b.h5", "--json"];
+    output(volmap(&other).arg("bake").arg(data("duck.obj")).args(options));
+    assert!(first.unwrap() == fs::read(other.path().join("b.h5")).unwrap());
+}
+
+#[test]
+fn options_reach_the_asset() {
+    let folder = folder();
+    let options = "--particle-radius 0.05 --cell-size 0.1 --padding 0.05 --thickness 0.01 --invert --quadrature ball6 \
+                   --precision f64 --compression gzip --unit cm --scale 100 --translate 1,2,-3 --rotate 0,1,0,90 \
+                   --up y --sign winding --check-sign --json -o t.h5";
+    let text = output(volmap(&folder).arg("bake").arg(data("tank.obj")).args(options.split_whitespace()));
+    let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let bake = &json["bake"];
+    assert_eq!(json["support_radius"], 0.2);
+    assert_eq!(json["exterior"], "solid");
+    assert_eq!(json["grid"]["cell_size"], serde_json::json!([0.1, 0.1, 0.1]));
+    assert_eq!(json["fields"]["volume"]["precision"], "f64");
+    assert_eq!((&bake["quadrature"], &bake["thickness"]), (&"ball6".into(), &0.01.into()));
+    assert_eq!((&bake["unit"], &bake["invert"]), (&0.01.into(), &1.into()));
+    assert_eq!(json["diagnosis"]["sign_disagreements"], 0);
+    let min: Vec<f64> = serde_json::from_value(json["source"]["bounds_min"].clone()).unwrap();
+    for (got, expected) in min.iter().zip([1.0 - 1.55, 2.0, -3.0 - 1.55]) {
+        assert!((got - expected).abs() < 1e-12, "{min:?}");
+    }
+    // The tank's floor at y = 2 is 0.01 higher; the fluid is inside.
+    let table = output(
+        volmap(&folder).args(["query", "t.h5", "--points", "-"]).write_stdin("x,y,z\n1.03,2.09,-3.04\n"),
+    );
+    let distance: f64 = table.lines().nth(1).unwrap().split(',').nth(3).unwrap().parse().unwrap();
+    assert!((distance - 0.08).abs() < 1e-9, "{table}");
+}
+
+#[test]
+fn a_domain_that_cuts_is_said() {
+    let folder = folder();
+    let options = ["--support-radius", "0.1", "--cell-size", "0.1", "--domain", "-0.5,-0.5,-0.5,0.5,0.5,0.5"];
+    let text = output(volmap(&folder).arg("bake").arg(data("duck.obj")).args(options));
+    assert!(text.contains("the domain cuts the band"), "{text}");
+    let whole = output(volmap(&folder).arg("bake").arg(data("duck.obj")).args(&options[..4]));
+    assert!(!whole.contains("warning"), "{whole}");
+}
+
+#[test]
+fn a_bad_mesh_is_told_as_such() {
+    let folder = folder();
+    let text = output(volmap(&folder).arg("bake").arg(data("bad_holes.obj")).args([
+        "--resolution",
+        "16",
+        "--check-sign",
+    ]));
+    for part in ["NOT closed", "rim", "1 duplicate faces dropped", "more than two faces", "were turned"] {
+        assert!(text.contains(part), "no `{part}` in\n{text}");
+    }
+}
+
+#[test]
+fn errors_name_file_place_and_cure() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    fs::write(at("good.h5"), b"precious").unwrap();
+    fs::write(at("nan.obj"), "v 0 0 0\nv 1 0 nan\nv 0 1 0\nf 1 2 3\n").unwrap();
+    fs::write(at("index.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n").unwrap();
+    fs::write(at("empty.stl"), "").unwrap();
+    fs::write(at("what.xyz"), "hello").unwrap();
+    let cases: &[(&[&str], &[&str])] = &[
+        (&["bake", "missing.obj"], &["missing.obj", "No such file"]),
+        (&["bake", "nan.obj", "-o", "good.h5"], &["nan.obj", "2"]),
+        (&["bake", "index.obj", "-o", "good.h5"], &["index.obj", "9"]),
+        (&["bake", "empty.stl", "-o", "good.h5"], &["empty.stl"]),
+        (&["bake", "what.xyz", "-o", "good.h5"], &["what.xyz"]),
+        (&["info", "missing.h5"], &["missing.h5"]),
+        (&["info", "good.h5"], &["good.h5", "HDF5"]),
+        (&["query", "good.h5", "--points", "nan.obj"], &["good.h5"]),
+    ];
+    for (arguments, parts) in cases {
+        let text = error(volmap(&folder).args(*arguments));
+        parts.iter().for_each(|part| assert!(text.contains(part), "no `{part}` in {text}"));
+    }
+    assert_eq!(fs::read(at("good.h5")).unwrap(), b"precious");
+    assert_eq!(names(&folder), ["empty.stl", "good.h5", "index.obj", "nan.obj", "what.xyz"]);
+}
+
+#[test]
+fn settings_that_cannot_work_are_refused_before_work() {
+    let folder = folder();
+    let cases: &[(&[&str], &str)] = &[
+        (&["--support-radius", "0"], "--support-radius"),
+        (&["--support-radius", "-1"], "--support-radius"),
+        (&["--support-radius", "nan"], "--support-radius"),
+        (&["--support-radius", "1e-7"], "larger"),
+        (&["--resolution", "0"], "--resolution"),
+        (&["--cell-size", "1e-300"], "--cell-size"),
+        (&["--resolution", "1000", "--max-memory", "100MB"], "--max-memory"),
+        (&["--domain", "1,1,1,0,0,0"], "--domain"),
+        (&["--domain", "50,50,50,51,51,51"], "--domain"),
+        (&["--padding", "-1"], "--padding"),
+        (&["-o", "missing/folder/a.h5"], "missing/folder/a.h5"),
+        (&["-o", "."], "folder"),
+    ];
+    for (arguments, part) in cases {
+        let text = error(volmap(&folder).arg("bake").arg(data("tank.obj")).args(*arguments));
+        assert!(text.contains(part), "{arguments:?}: no `{part}` in {text}");
+    }
+    for usage in [
+        &["--quadrature", "simpson"][..],
+        &["--resolution", "1,2"],
+        &["--no-such-option"],
+        &["--unit", "league"],
+    ] {
+        volmap(&folder).arg("bake").arg(data("tank.obj")).args(usage).assert().code(2);
+    }
+    fs::copy(data("tank.obj"), folder.path().join("t.obj")).unwrap();
+    let text = error(volmap(&folder).args(["bake", "t.obj", "-o", "t.obj"]));
+    assert!(text.contains("overwrite"), "{text}");
+    assert_eq!(names(&folder), ["t.obj"]);
+}
+
+#[test]
+fn bad_points_name_line_and_column() {
+    let folder = folder();
+    output(volmap(&folder).arg("bake").arg(data("tank.obj")).args(["--resolution", "4", "-q", "-o", "t.h5"]));
+    let cases = [
+        ("a,b\n1,2\n", "column `x`"),
+        ("x,y,z\n1,2,3\n1,two,3\n", "line 3: y is `two`"),
+        ("x,y,z\n1,2,inf\n", "line 2: z is `inf`"),
+        ("x,y,z\n1,2\n", "line: 2"),
+        ("", "column `x`"),
+    ];
+    for (points, part) in cases {
+        let text = error(volmap(&folder).args(["query", "t.h5", "--points", "-"]).write_stdin(points));
+        assert!(text.contains(part), "no `{part}` in {text}");
+    }
+}
+
+/// Kills the program at many moments: the folder holds nothing, or the whole asset; an older asset stays or is
+/// replaced as a whole.
+#[test]
+fn killing_leaves_nothing_half_done() {
+    let folder = folder();
+    let target = folder.path().join("a.h5");
+    let bake = |cells: &str| {
+        let mut process = Process::new(env!("CARGO_BIN_EXE_volmap"));
+        process.current_dir(folder.path()).arg("bake").arg(data("tank.obj"));
+        process.args(["--cell-size", cells, "--support-radius", "0.2", "-o", "a.h5", "-q"]);
+        process.stderr(Stdio::null()).stdout(Stdio::null());
+        process
+    };
+    let start = std::time::Instant::now();
+    assert!(bake("0.2").status().unwrap().success());
+    let whole = start.elapsed();
+    let complete = fs::read(&target).unwrap();
+    assert!(bake("0.4").status().unwrap().success());
+    let older = fs::read(&target).unwrap();
+    let mut killed = 0;
+    for moment in 0..40 {
+        match moment % 2 {
+            0 => _ = fs::remove_file(&target),
+            _ => fs::write(&target, &older).unwrap(),
+        }
+        let mut process = bake("0.2").spawn().unwrap();
+        std::thread::sleep(whole.mul_f64(f64::from(moment) / 30.0));
+        _ = process.kill();
+        killed += usize::from(!process.wait().unwrap().success());
+        let left = names(&folder);
+        assert!(left.iter().all(|name| name == "a.h5"), "{left:?}");
+        if let Ok(found) = fs::read(&target) {
+            assert!(found == complete || (moment % 2 == 1 && found == older), "a part of an asset");
+        } else {
+            assert_eq!(moment % 2, 0, "the older asset is gone");
+        }
+    }
+    assert!(killed > 10, "only {killed} were killed in time");
+}

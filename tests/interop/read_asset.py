@@ -1,0 +1,312 @@
+#!/usr/bin/env python3
+"""Reads volmap assets (HDF5, format version 1): load(path).sample(points).
+
+Written from SPEC.md alone; it shares no code with the Rust reader. Section numbers are SPEC.md's.
+Needs numpy, h5py, hdf5plugin and blake3. Command line:
+
+    read_asset.py ASSET POINTS.csv OUT.csv
+
+POINTS.csv has a header with the columns x, y, z; OUT.csv gets, for each point,
+region,distance,nx,ny,nz,cx,cy,cz,volume with 17 digits, empty where unknown.
+"""
+
+import csv
+import math
+import os
+import sys
+
+import h5py
+import hdf5plugin  # noqa: F401  (registers Zstandard)
+import numpy as np
+from blake3 import blake3
+from h5py import h5t
+
+BAND, OUTSIDE, DEEP_INSIDE = 0, 1, 2
+REGIONS = "band", "outside", "deep_inside"
+COLUMNS = "distance", "nx", "ny", "nz", "cx", "cy", "cz", "volume"
+
+TABLES = "/cells/band", "/cells/solid"
+FIELDS = "/fields/signed_distance", "/fields/volume"
+GROUPS = "/", "/bake", "/cells", "/diagnosis", "/fields", "/grid", "/quadrature", "/source"
+
+NUMBERS = (h5t.STD_U64LE, "u"), (h5t.STD_U64BE, "u"), (h5t.IEEE_F64LE, "f"), (h5t.IEEE_F64BE, "f")
+ELEMENTS = {
+    "u32": (h5t.STD_U32LE, h5t.STD_U32BE),
+    "f32": (h5t.IEEE_F32LE, h5t.IEEE_F32BE),
+    "f64": (h5t.IEEE_F64LE, h5t.IEEE_F64BE),
+}
+
+
+class Refused(ValueError):
+    """The file is not an asset, is newer than this reader, or is damaged."""
+
+
+def need(condition, why):
+    if not condition:
+        raise Refused(why)
+
+
+# Bytes to values: sections 2, 3 and 10 ------------------------------------------------------------
+
+
+def attribute(obj, name):
+    """(tag of section 10, value): text as str, numbers as an array of one axis."""
+    where = f"attribute {name} of {obj.name}"
+    need(name in obj.attrs, f"{where} is missing")
+    raw = obj.attrs.get_id(name)
+    kind, space = raw.get_type(), raw.get_space()
+    need(space.get_simple_extent_type() != h5py.h5s.NULL and len(raw.shape) <= 1, f"{where}: shape")
+    if kind.get_class() == h5t.STRING:
+        need(not kind.is_variable_str() and raw.shape == (), f"{where}: not a scalar text of fixed length")
+        need((kind.get_cset(), kind.get_strpad()) == (h5t.CSET_UTF8, h5t.STR_NULLTERM), f"{where}: kind of text")
+        value = bytes(obj.attrs[name])
+        need(len(value) + 1 == kind.get_size() and b"\0" not in value, f"{where}: length of text")
+        return "s", value.decode()
+    tag = next((tag for known, tag in NUMBERS if kind.equal(known)), None)
+    need(tag, f"{where}: neither u64 nor f64 nor text")
+    return tag, np.atleast_1d(obj.attrs[name]).astype("<u8" if tag == "u" else "<f8")
+
+
+def text(obj, name, *allowed):
+    tag, value = attribute(obj, name)
+    need(tag == "s" and (not allowed or value in allowed), f"{name} of {obj.name} is {value!r}")
+    return value
+
+
+def numbers(obj, name, tag, count=1):
+    found, value = attribute(obj, name)
+    need(found == tag and len(value) == count, f"{name} of {obj.name}: type or shape")
+    return value if count > 1 else value[0].item()
+
+
+def u64le(n):
+    return int(n).to_bytes(8, "little")
+
+
+def check_root(file):
+    """Compares the root's checksum with all attributes; so it also sees each one's type."""
+    total = blake3()
+    for path in sorted(GROUPS + TABLES + FIELDS, key=str.encode):
+        obj = file[path]
+        for key, name in sorted((name.encode("utf-8", "surrogateescape"), name) for name in obj.attrs):
+            tag, value = attribute(obj, name)
+            if (path, name) == ("/", "blake3"):
+                continue
+            content = value.encode() if tag == "s" else value.tobytes()
+            size = len(content) if tag == "s" else len(value)
+            place = path.encode()
+            total.update(u64le(len(place)) + place + u64le(len(key)) + key + tag.encode() + u64le(size) + content)
+    need(text(file, "blake3") == total.hexdigest(), "checksum of the attributes doesn't match")
+
+
+def dataset(file, path, kinds, axes):
+    """(name of the type, elements), with the checksum compared."""
+    data = file[path]
+    found = next((kind for kind in kinds if any(data.id.get_type().equal(t) for t in ELEMENTS[kind])), None)
+    need(found, f"{path}: type")
+    need(data.shape is not None and len(data.shape) == axes and data.shape[1:] == (4,) * (axes - 1), f"{path}: shape")
+    need(math.prod(data.chunks or ()) * data.dtype.itemsize <= 1 << 20, f"{path}: a chunk of more than 1 MiB")
+    values = data[()].astype(data.dtype.newbyteorder("<"))
+    extents = b"".join(map(u64le, data.shape))
+    digest = blake3(found.encode() + extents + values.tobytes()).hexdigest()
+    need(text(data, "blake3") == digest, f"{path}: checksum doesn't match")
+    return found, values
+
+
+# Cells and nodes: sections 4 to 6 -----------------------------------------------------------------
+
+BITS = np.array([(n & 1, n >> 1 & 1, n >> 2 & 1) for n in range(8)])
+OTHERS = (1, 2), (0, 2), (0, 1)  # the two axes across an edge along x, y, z
+
+
+class Runs:
+    """Finds cells, numbered (k ry + j) rx + i, in a table of runs."""
+
+    def __init__(self, table, resolution):
+        i, j, k, length = table.astype(np.int64).T
+        rx, ry, rz = resolution
+        need(((length >= 1) & (i + length <= rx) & (j < ry) & (k < rz)).all(), "a run leaves the grid or is empty")
+        self.start, self.length = (k * ry + j) * rx + i, length
+        need((self.start[1:] >= self.start[:-1] + length[:-1]).all(), "runs overlap or aren't sorted")
+        self.before = np.cumsum(length) - length  # cells in the runs before each
+        self.i, self.j, self.k, self.cells = i, j, k, int(length.sum())
+
+    def find(self, cell):
+        """Rank among the table's cells, -1 for those that aren't in it."""
+        if not self.cells:
+            return np.full(len(cell), -1)
+        run = np.maximum(np.searchsorted(self.start, cell, "right") - 1, 0)
+        along = cell - self.start[run]
+        return np.where((along >= 0) & (along < self.length[run]), self.before[run] + along, -1)
+
+    def indices(self):
+        """(i, j, k) of every cell: [cells, 3]."""
+        along = np.arange(self.cells) - np.repeat(self.before, self.length)
+        i, j, k = (np.repeat(axis, self.length) for axis in (self.i, self.j, self.k))
+        return np.stack([i + along, j, k], 1)
+
+
+def number_nodes(cells, resolution):
+    """The 32 nodes of each cell [cells, 32], and how many nodes there are."""
+    rx, ry, _ = resolution + 1
+    columns, first = [], 0
+    for family in range(4):
+        touched = BITS
+        if family:
+            touched = np.zeros((4, 3), np.int64)
+            touched[:, OTHERS[family - 1]] = BITS[:4, :2]
+        i, j, k = np.moveaxis(cells[:, None] + touched, 2, 0)
+        points, rank = np.unique((k * ry + j) * rx + i, return_inverse=True)
+        a_point = 2 if family else 1
+        nodes = first + a_point * rank.reshape(i.shape)[..., None] + np.arange(a_point)
+        columns.append(nodes.reshape(len(cells), 8))
+        first += a_point * len(points)
+    return np.concatenate(columns, 1), first
+
+
+def shape_functions(xi):
+    """N [n, 32] and dN/dxi [n, 32, 3] at the reference coordinates [n, 3]."""
+    n, dn = np.empty((len(xi), 32)), np.empty((len(xi), 32, 3))
+    side = 2 * BITS - 1
+    factor = 1 + side * xi[:, None]
+    bracket = 9 * (xi**2).sum(1)[:, None] - 19
+    n[:, :8] = factor.prod(2) * bracket / 64
+    for axis, (b, c) in enumerate(OTHERS):
+        across = factor[:, :, b] * factor[:, :, c] / 64
+        x = xi[:, axis, None]
+        dn[:, :8, axis] = across * (side[:, axis] * bracket + 18 * x * factor[:, :, axis])
+
+        nodes = slice(8 + 8 * axis, 16 + 8 * axis)
+        u, sb, sc = side.T  # t + 2 db + 4 dc
+        fb, fc = 1 + sb * xi[:, b, None], 1 + sc * xi[:, c, None]
+        along = 9 / 64 * (1 - x**2) * (1 + 3 * u * x)
+        n[:, nodes] = along * fb * fc
+        dn[:, nodes, axis] = 9 / 64 * (3 * u - 2 * x - 9 * u * x**2) * fb * fc
+        dn[:, nodes, b] = along * sb * fc
+        dn[:, nodes, c] = along * fb * sc
+    return n, dn
+
+
+# The map: sections 7 and 9 ------------------------------------------------------------------------
+
+
+class Map:
+    def __init__(self, file):
+        need("format" in file.attrs, "not an asset")
+        try:
+            text(file, "format", "volmap")
+        except ValueError:
+            raise Refused("not an asset") from None
+        version = numbers(file, "format_version", "u")
+        need(version >= 1, "format_version is 0")
+        need(version == 1, f"the file is newer than this reader: format version {version}")
+        for path in GROUPS + TABLES + FIELDS:
+            kind = h5py.Group if path in GROUPS else h5py.Dataset
+            need(path in file and isinstance(file[path], kind), f"{path} is missing")
+        check_root(file)
+
+        text(file, "length_unit", "m")
+        text(file, "extension_function", "cubic_spline")
+        text(file["fields"], "node_layout", "cubic_serendipity_32")
+        grid, rule = file["grid"], file["quadrature"]
+        for group in grid, rule:
+            for name in group.attrs:
+                tag, value = attribute(group, name)
+                need(tag != "f" or np.isfinite(value).all(), f"{name} of {group.name} isn't finite")
+        self.exterior = text(grid, "exterior", "fluid", "solid")
+        self.origin = numbers(grid, "origin", "f", 3)
+        self.cell_size = numbers(grid, "cell_size", "f", 3)
+        self.support_radius = numbers(grid, "support_radius", "f")
+        self.ball_volume = numbers(rule, "ball_volume", "f")
+        resolution = numbers(grid, "resolution", "u", 3)
+        need(((1 <= resolution) & (resolution <= 1 << 20)).all(), "resolution is out of range")
+        self.resolution = resolution.astype(np.int64)
+        need(self.resolution[1] * self.resolution[2] <= 1 << 24, "resolution: too many rows")
+        need((self.cell_size > 0).all() and self.support_radius > 0 and self.ball_volume > 0, "a size that isn't > 0")
+        text(rule, "name")
+        numbers(rule, "points", "u")
+        need(numbers(rule, "degree", "u") < 1 << 32, "degree is out of range")
+
+        elements = sum(file[path].size or 0 for path in TABLES + FIELDS)
+        need(8 * elements <= 256 * os.path.getsize(file.filename) + (16 << 20), "too large for the file's size")
+        self.band, self.solid = (Runs(dataset(file, path, ["u32"], 2)[1], self.resolution) for path in TABLES)
+        runs = np.concatenate([np.stack([t.start, t.start + t.length]) for t in (self.band, self.solid)], 1)
+        start, end = runs[:, np.argsort(runs[0], kind="stable")]
+        need((start[1:] >= end[:-1]).all(), "a cell is both band and solid")
+
+        (precision, phi), (same, volume) = (dataset(file, path, ["f32", "f64"], 1) for path in FIELDS)
+        need(precision == same, "the fields have two types")
+        need(np.isfinite(phi).all() and np.isfinite(volume).all(), "a field isn't finite")
+        # Every cell has a corner of its own, so this bounds what number_nodes allocates.
+        need(self.band.cells <= len(phi) == len(volume), "length of the fields")
+        self.nodes, count = number_nodes(self.band.indices(), self.resolution)
+        need(count == len(phi), "length of the fields")
+        self.precision, self.phi, self.volume = precision, phi.astype(np.float64), volume.astype(np.float64)
+
+    def sample(self, points):
+        """Arrays region, distance, normal, closest and volume at the points [n, 3]; NaN where unknown."""
+        points = np.asarray(points, np.float64).reshape(-1, 3)
+        with np.errstate(over="ignore", invalid="ignore"):
+            p = (points - self.origin) / self.cell_size
+        inside = ((0 <= p) & (p <= self.resolution)).all(1)
+        outer = DEEP_INSIDE if self.exterior == "solid" else OUTSIDE
+        region = np.where(np.isfinite(points).all(1), outer, OUTSIDE)
+
+        p = p[inside]
+        cell = np.minimum(np.floor(p).astype(np.int64), self.resolution - 1)
+        i, j, k = cell.T
+        number = (k * self.resolution[1] + j) * self.resolution[0] + i
+        stored = self.band.find(number)
+        deep = self.solid.find(number) >= 0
+        region[inside] = np.where(stored >= 0, BAND, np.where(deep, DEEP_INSIDE, OUTSIDE))
+
+        band = region == BAND
+        stored, xi = self.nodes[stored[stored >= 0]], (2 * (p - cell) - 1)[stored >= 0]
+        n, dn = shape_functions(xi)
+        phi = self.phi[stored]
+        distance = np.full(len(points), np.nan)
+        normal, closest = np.full((2, len(points), 3), np.nan)
+        volume = np.where(region == DEEP_INSIDE, self.ball_volume, 0.0)
+        distance[band] = (n * phi).sum(1)
+        volume[band] = (n * self.volume[stored]).sum(1)
+        gradient = 2 / self.cell_size * np.einsum("na,nad->nd", phi, dn)
+        length = np.linalg.norm(gradient, axis=1, keepdims=True)
+        normal[band] = np.divide(gradient, length, out=np.zeros_like(gradient), where=length > 0)
+        closest[band] = points[band] - distance[band, None] * normal[band]
+        return {"region": region, "distance": distance, "normal": normal, "closest": closest, "volume": volume}
+
+
+def load(path):
+    """The map of an asset; Refused if it is damaged, newer than this reader, or something else."""
+    try:
+        with h5py.File(path) as file:
+            return Map(file)
+    except FileNotFoundError:
+        raise
+    except (OSError, KeyError, RuntimeError, TypeError, ValueError) as error:
+        raise Refused(f"{path}: {error}") from error
+
+
+def table(answer):
+    """The numbers of an answer as [n, 8], in the order of COLUMNS."""
+    return np.column_stack([answer[name] for name in ("distance", "normal", "closest", "volume")])
+
+
+def main(asset, points, out):
+    with open(points, newline="") as file:
+        rows = [[float(row[axis]) for axis in "xyz"] for row in csv.DictReader(file)]
+    answer = load(asset).sample(rows)
+    with open(out, "w", newline="") as file:
+        write = csv.writer(file, lineterminator="\n").writerow
+        write(("region", *COLUMNS))
+        for region, row in zip(answer["region"], table(answer).tolist()):
+            write([REGIONS[region], *("" if math.isnan(value) else repr(value) for value in row)])
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 4:
+        sys.exit(__doc__)
+    try:
+        main(*sys.argv[1:])
+    except (OSError, ValueError, KeyError) as error:
+        sys.exit(f"error: {error}")

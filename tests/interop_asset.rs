@@ -1,0 +1,64 @@
+//! Interop, assets: a Python reader written from `SPEC.md` alone, h5dump, and both compressions.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+fn python() -> PathBuf {
+    let default = Path::new(env!("CARGO_MANIFEST_DIR")).join("../.venv/bin/python");
+    std::env::var_os("VOLMAP_PYTHON").map_or(default, Into::into)
+}
+
+/// The program, beside the folder of the tests; `cargo build --release` makes it.
+fn volmap() -> PathBuf {
+    let tests = std::env::current_exe().unwrap();
+    let program = tests.parent().and_then(Path::parent).unwrap().join("volmap");
+    assert!(program.exists(), "{} is missing: cargo build --release", program.display());
+    program
+}
+
+fn run(command: &mut Command) -> String {
+    let output = command.output().unwrap_or_else(|error| panic!("{command:?}: {error}"));
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{command:?}\n{text}\n{errors}");
+    text
+}
+
+fn bake(folder: &Path, mesh: &str, options: &str) -> PathBuf {
+    let target = folder.join(format!("{}.h5", options.replace([' ', '.'], "_")));
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../data").join(mesh);
+    let mut command = Command::new(volmap());
+    run(command.arg("bake").arg(data).arg("-o").arg(&target).arg("-q").args(options.split_whitespace()));
+    target
+}
+
+const BAKES: [(&str, &str); 5] = [
+    ("duck.obj", "--resolution 20 --support-radius 0.1"),
+    ("duck.obj", "--resolution 20,15,25 --support-radius 0.1 --precision f64"),
+    ("tank.obj", "--invert --cell-size 0.2 --support-radius 0.2 --compression gzip"),
+    ("grid.obj", "--cell-size 0.02 --support-radius 0.02 --compression gzip --precision f64"),
+    ("bad_holes.obj", "--resolution 12 --domain -0.5,-0.5,-0.5,0.5,0.4,0.3"),
+];
+
+#[test]
+fn reader_written_from_the_specification_agrees() {
+    let folder = tempfile::tempdir().unwrap();
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("interop/compare_reader.py");
+    for (mesh, options) in BAKES {
+        let asset = bake(folder.path(), mesh, options);
+        print!("{}", run(Command::new(python()).arg(&script).arg(&asset).arg("--against").arg(volmap())));
+    }
+}
+
+#[test]
+fn h5dump_reads_every_dataset() {
+    let folder = tempfile::tempdir().unwrap();
+    // gzip: Debian's h5dump has no plugin for Zstandard.
+    let asset = bake(folder.path(), "tank.obj", "--resolution 8 --compression gzip");
+    let text = run(Command::new("h5dump").arg(&asset));
+    for part in
+        ["DATASET \"signed_distance\"", "H5T_IEEE_F32LE", "DATASET \"band\"", "\"format\"", "\"volmap\""]
+    {
+        assert!(text.contains(part), "h5dump doesn't show {part}");
+    }
+}
