@@ -185,7 +185,7 @@ fn support_radius(extent: &Extent, settings: &Settings) -> Result<f64, Error> {
     let [least, most] = SUPPORT_RADII;
     if !(least..=most).contains(&radius) {
         let reason = format!(
-            "{radius:e} m is outside {least:e} to {most:e} m; check the mesh's size ({diagonal:e} m), --unit and --scale"
+            "{radius:.3e} m is outside {least:e} to {most:e} m; check the mesh's size ({diagonal:.3e} m), --unit and --scale"
         );
         return Err(Error::setting("--support-radius", reason));
     }
@@ -240,7 +240,7 @@ fn check_precision(grid: &Grid) -> Result<(), Error> {
         return Ok(());
     }
     let reason = format!(
-        "cells of {edge:e} m up to {farthest:e} m from the origin are beyond what the map can hold; move the mesh \
+        "cells of {edge:.3e} m up to {farthest:.3e} m from the origin are beyond what the map can hold; move the mesh \
          to the origin (--translate) or check --domain, --padding and --thickness"
     );
     Err(Error::setting("--domain", reason))
