@@ -122,7 +122,7 @@ pub struct BakeArguments {
     #[arg(long, value_name = "BYTES", default_value = "4GiB", value_parser = byte_size, help_heading = "Program")]
     max_memory: u64,
     /// Threads [default: all]
-    #[arg(long, value_name = "N", help_heading = "Program")]
+    #[arg(long, value_name = "N", value_parser = threads, help_heading = "Program")]
     pub threads: Option<usize>,
     /// Print the summary as JSON (that of `info`)
     #[arg(long, help_heading = "Program")]
@@ -264,6 +264,12 @@ fn resolution(text: &str) -> Result<Vector<u32>, String> {
         Some([x, y, z]) => Ok(Vector([*x, *y, *z])),
         _ => Err("give N, or NX,NY,NZ".into()),
     }
+}
+
+/// Far more than there are processors would only take memory and minutes to start.
+fn threads(text: &str) -> Result<usize, String> {
+    let count = text.parse().ok().filter(|count| (1..=1024).contains(count));
+    count.ok_or_else(|| "give a number from 1 to 1024".to_owned())
 }
 
 fn unit(text: &str) -> Result<f64, String> {

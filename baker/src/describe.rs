@@ -168,7 +168,7 @@ fn mesh_warnings(summary: &Summary, out: &mut Vec<String>) {
 
 fn sign_warnings(summary: &Summary, maps: &Maps, out: &mut Vec<String>) {
     if !maps.distance.iter().any(|phi| *phi < 0.0) {
-        out.push("nothing lies inside: the map has no solid; give sheets a --thickness".into());
+        out.push("no node lies inside: the map has no solid; give sheets a --thickness, and thin parts smaller cells".into());
     }
     let leaks = leaks(&summary.plan.grid, maps);
     if leaks > 0 {

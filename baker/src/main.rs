@@ -43,6 +43,7 @@ fn run_bake(arguments: &BakeArguments) -> Result<()> {
     if is_same_file(&arguments.mesh, &output) {
         bail!("{}: would overwrite the mesh; name another file with --output", output.display());
     }
+    asset::check_target(&output)?;
     if let Some(threads) = arguments.threads {
         rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
     }

@@ -110,6 +110,12 @@ pub struct Estimate {
     pub seconds: f64,
 }
 
+/// Support radii in metres whose ball has a volume that single precision holds.
+const SUPPORT_RADII: [f64; 2] = [1e-9, 1e9];
+/// Largest coordinate of a domain, metres: squares and cubes of lengths stay in range.
+const MAX_EXTENT: f64 = 1e12;
+/// Part of a coordinate that a cell's edge must exceed: nodes must not fall together by rounding.
+const MIN_CELL: f64 = 1e-10;
 /// More rows than the runtime opens.
 const MAX_ROWS: u64 = 1 << 24;
 const MAX_CELLS_PER_AXIS: f64 = (1u32 << 20) as f64;
@@ -130,6 +136,7 @@ pub fn plan(extent: &Extent, settings: &Settings) -> Result<Plan, Error> {
     let needed = [extent.min - reach, extent.max + reach];
     let [low, high] = domain(needed, settings)?;
     let grid = grid(low, high, support_radius, settings)?;
+    check_precision(&grid)?;
     let cut = [(low - needed[0]).max(DVec3::ZERO), (needed[1] - high).max(DVec3::ZERO)];
     let cuts = cut[0].max_element().max(cut[1].max_element()) > 0.0;
     let margin = match cuts {
@@ -172,10 +179,17 @@ fn finite(option: &'static str, value: f64) -> Result<f64, Error> {
 fn support_radius(extent: &Extent, settings: &Settings) -> Result<f64, Error> {
     let diagonal = (extent.max - extent.min).length();
     let radius = settings.support_radius.unwrap_or_else(|| rounded(diagonal / 20.0));
-    if radius > 0.0 && radius.is_finite() {
-        return Ok(radius);
+    if !(radius > 0.0 && radius.is_finite()) {
+        return Err(Error::setting("--support-radius", format!("{radius} is not a positive length")));
     }
-    Err(Error::setting("--support-radius", format!("{radius} is not a positive length")))
+    let [least, most] = SUPPORT_RADII;
+    if !(least..=most).contains(&radius) {
+        let reason = format!(
+            "{radius:.3e} m is outside {least:e} to {most:e} m; check the mesh's size ({diagonal:.3e} m), --unit and --scale"
+        );
+        return Err(Error::setting("--support-radius", reason));
+    }
+    Ok(radius)
 }
 
 /// The next lower of 1, 2 or 5 times a power of ten.
@@ -217,6 +231,19 @@ fn grid(low: DVec3, high: DVec3, support_radius: f64, settings: &Settings) -> Re
     check_resolution(option, resolution)?;
     let origin = low - 0.5 * (resolution * edge - extent);
     Ok(Grid { origin, cell_size: DVec3::splat(edge), resolution: resolution.as_uvec3() })
+}
+
+fn check_precision(grid: &Grid) -> Result<(), Error> {
+    let farthest = grid.origin.abs().max(grid.max_corner().abs()).max_element();
+    let edge = grid.cell_size.min_element();
+    if farthest <= MAX_EXTENT && edge >= MIN_CELL * farthest {
+        return Ok(());
+    }
+    let reason = format!(
+        "cells of {edge:.3e} m up to {farthest:.3e} m from the origin are beyond what the map can hold; move the mesh \
+         to the origin (--translate) or check --domain, --padding and --thickness"
+    );
+    Err(Error::setting("--domain", reason))
 }
 
 fn check_resolution(option: &'static str, cells: DVec3) -> Result<(), Error> {

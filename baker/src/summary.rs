@@ -8,7 +8,12 @@ impl Display for Summary {
         let (found, [min, max]) = (&self.diagnosis, self.bounds);
         writeln!(f, "mesh       {}: {}", self.source.file, self.faces())?;
         writeln!(f, "           {}", self.state())?;
-        writeln!(f, "           box {:.4} to {:.4} m, area {:.4} m^2", min, max, found.area)?;
+        let decimals = decimals((max - min).max_element());
+        writeln!(
+            f,
+            "           box {min:.decimals$} to {max:.decimals$} m, area {} m^2",
+            digits(found.area)
+        )?;
         writeln!(f, "sign       {}", self.sign.reason)?;
         let grid = self.plan.grid;
         let n = grid.resolution;
@@ -55,6 +60,9 @@ impl Summary {
             (cleaning.unreferenced, "unused vertices dropped"),
             (cleaning.zero_area, "without area"),
             (cleaning.fan_fallbacks, "polygons that intersect themselves"),
+            (cleaning.skipped.points, "points left out"),
+            (cleaning.skipped.lines, "lines left out"),
+            (cleaning.skipped.other, "other elements left out"),
         ];
         if cleaning.objects > 1 {
             parts.push(format!("{} objects joined", cleaning.objects));
@@ -74,7 +82,7 @@ impl Summary {
             format!("{} component{}", found.components, if found.components == 1 { "" } else { "s" }),
         ];
         if found.closed && found.oriented {
-            parts.push(format!("volume {:.4} m^3", found.volume));
+            parts.push(format!("volume {} m^3", digits(found.volume)));
         }
         if found.cavities.count > 0 {
             parts.push(format!("{} hollow", found.cavities.count));
@@ -84,7 +92,22 @@ impl Summary {
 }
 
 fn edges([x, y, z]: [f64; 3]) -> String {
-    if x == y && y == z { format!("{x:.4}") } else { format!("{x:.4} x {y:.4} x {z:.4}") }
+    match x == y && y == z {
+        true => digits(x),
+        false => [x, y, z].map(digits).join(" x "),
+    }
+}
+
+/// A number with 4 decimals, or more where it has fewer than 4 digits in them, so that small objects don't read as 0.
+fn digits(x: f64) -> String {
+    format!("{x:.0$}", decimals(x))
+}
+
+fn decimals(size: f64) -> usize {
+    match size.abs() {
+        x if x > 0.0 && x.is_finite() => (3 - x.log10().floor() as i64).clamp(4, 30) as usize,
+        _ => 4,
+    }
 }
 
 fn percent(part: u64, whole: u64) -> f64 {

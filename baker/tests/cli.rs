@@ -189,7 +189,15 @@ fn settings_that_cannot_work_are_refused_before_work() {
         (&["--domain", "1,1,1,0,0,0"], "--domain"),
         (&["--domain", "50,50,50,51,51,51"], "--domain"),
         (&["--padding", "-1"], "--padding"),
-        (&["-o", "missing/folder/a.h5"], "missing/folder/a.h5"),
+        (
+            &["-o", "missing/folder/a.h5"],
+            "missing/folder/a.h5: there is no folder missing/folder; make it first",
+        ),
+        (&["--support-radius", "1e-20", "--resolution", "4"], "--unit"),
+        (&["--scale", "1e50"], "1e-9 to 1e9 m"),
+        (&["--resolution", "4", "--padding", "1e200"], "--padding"),
+        (&["--resolution", "4", "--thickness", "1e200"], "--thickness"),
+        (&["--resolution", "4", "--translate", "1e13,0,0"], "--translate"),
         (&["-o", "."], "folder"),
     ];
     for (arguments, part) in cases {
@@ -208,6 +216,29 @@ fn settings_that_cannot_work_are_refused_before_work() {
     let text = error(volmap(&folder).args(["bake", "t.obj", "-o", "t.obj"]));
     assert!(text.contains("overwrite"), "{text}");
     assert_eq!(names(&folder), ["t.obj"]);
+}
+
+/// Whatever is not a file stays as it is: renamed over a device, the asset would take its place.
+#[cfg(unix)]
+#[test]
+fn only_files_are_replaced() {
+    use std::os::unix::fs::FileTypeExt;
+    let folder = folder();
+    let socket = folder.path().join("a.h5");
+    let _listener = std::os::unix::net::UnixListener::bind(&socket).unwrap();
+    let text =
+        error(volmap(&folder).arg("bake").arg(data("tank.obj")).args(["--resolution", "4", "-o", "a.h5"]));
+    assert!(text.contains("a.h5: is a device or a pipe"), "{text}");
+    assert!(fs::symlink_metadata(&socket).unwrap().file_type().is_socket());
+}
+
+/// Lengths of small objects don't read as 0.
+#[test]
+fn small_objects_have_digits() {
+    let folder = folder();
+    let options = ["--scale", "1e-5", "--resolution", "4"];
+    let text = output(volmap(&folder).arg("bake").arg(data("duck.obj")).args(options));
+    assert!(!text.contains("0.0000 m") && text.contains("box"), "{text}");
 }
 
 #[test]

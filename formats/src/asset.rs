@@ -113,6 +113,15 @@ pub fn from_bytes(bytes: Vec<u8>) -> Result<Asset, AssetError> {
     schema::read(bytes)
 }
 
+/// Whether `path` can be written to, as far as it shows without trying: to be asked before a long bake.
+///
+/// # Errors
+/// A folder or a device in its place, or no folder to hold it.
+#[cfg(feature = "write")]
+pub fn check_target(path: &Path) -> Result<(), AssetError> {
+    publish::check_target(path).map_err(|error| AssetError::Io(error).in_file(path))
+}
+
 /// Writes an asset: to a temporary file beside `path`, read back and compared, then renamed.
 /// The bytes are a function of the asset and the compression alone.
 ///

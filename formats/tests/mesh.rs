@@ -107,7 +107,7 @@ fn errors_name_place_and_cure() {
         ("v 0 0 0\nf 0 1 1\n", MeshFormat::Obj, &["line 2", "`0`"]),
         ("v 0 0 0\nv 1 0 0\n", MeshFormat::Obj, &["point cloud: 2 points"]),
         ("", MeshFormat::Obj, &["no faces"]),
-        ("v 0 0 0\nv 1 0 0\nf 1 2 2\n", MeshFormat::Obj, &["all 1 faces collapse"]),
+        ("v 0 0 0\nv 1 0 0\nf 1 2 2\n", MeshFormat::Obj, &["all faces (1) collapse"]),
         ("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", MeshFormat::Off, &["line 6", "`3`", "0 to 2"]),
         ("OFF\n4000000000 1 0\n0 0 0\n", MeshFormat::Off, &["4000000000 vertices", "cut"]),
         ("OFF BINARY\n", MeshFormat::Off, &["binary OFF", "ASCII"]),

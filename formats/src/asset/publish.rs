@@ -8,15 +8,30 @@ use std::io::{self, Write};
 use std::path::Path;
 use tempfile::NamedTempFile;
 
+/// Refuses a target that could not be made, or that stands for something else than a file: renaming onto a device
+/// would take its place.
+pub fn check_target(target: &Path) -> io::Result<()> {
+    let refuse = |kind, reason: String| Err(io::Error::new(kind, reason));
+    let folder = folder_of(target);
+    if target.is_dir() {
+        refuse(io::ErrorKind::IsADirectory, "is a folder; name a file in it".into())
+    } else if target.exists() && !target.is_file() {
+        refuse(io::ErrorKind::InvalidInput, "is a device or a pipe; name a file".into())
+    } else if !folder.is_dir() {
+        refuse(io::ErrorKind::NotFound, format!("there is no folder {}; make it first", folder.display()))
+    } else {
+        Ok(())
+    }
+}
+
+fn folder_of(target: &Path) -> &Path {
+    target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
 /// Makes a file of these bytes, durably, in place of an older one.
 pub fn publish(bytes: &[u8], target: &Path) -> io::Result<()> {
-    if target.is_dir() {
-        return Err(io::Error::new(io::ErrorKind::IsADirectory, "is a folder; name a file in it"));
-    }
-    let folder = match target.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
+    check_target(target)?;
+    let folder = folder_of(target);
     #[cfg(target_os = "linux")]
     if let Some(mut file) = linux::nameless(folder) {
         file.write_all(bytes)?;

@@ -66,8 +66,13 @@ pub enum MeshError {
     },
     /// All faces collapsed.
     #[error(
-        "all {faces} faces collapse to points or lines when vertices within {weld_tolerance} are \
-         welded; lower the weld tolerance, or check the model's scale"
+        "all faces ({faces}) collapse to points or lines {}",
+        match *weld_tolerance > 0.0 {
+            true => format!(
+                "when vertices within {weld_tolerance} are welded; lower the weld tolerance, or check the model's scale"
+            ),
+            false => "without any welding; check that the model was exported with its surface".to_string(),
+        }
     )]
     AllDegenerate {
         /// Faces before cleaning.

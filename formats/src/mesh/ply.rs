@@ -164,8 +164,7 @@ impl Body<'_> {
             return Ok(());
         };
         let length = self.value(length, &property.name)?;
-        let length =
-            as_count(length).ok_or_else(|| self.bad(format!("{length} is not a length of a list")))?;
+        let length = as_count(length).ok_or_else(|| self.bad(not_a_length(length, &property.name)))?;
         let size = if self.binary.is_some() { property.value.size() } else { 2 };
         self.words.room_for(length, size, "items of a list")?;
         for _ in 0..length {
@@ -173,6 +172,13 @@ impl Body<'_> {
         }
         Ok(())
     }
+}
+
+fn not_a_length(length: f64, name: &[u8]) -> String {
+    format!(
+        "{length} is not a length of the list `{}`; the header doesn't fit the data: export the file again",
+        show(name)
+    )
 }
 
 fn read_vertices(body: &mut Body, element: &Element, raw: &mut RawMesh) -> Result<(), MeshError> {
