@@ -79,7 +79,7 @@ pub struct BakeArguments {
     /// Move the surface out of the solid by this, metres
     #[arg(long, value_name = "LENGTH", default_value_t = 0.0, help_heading = "Map")]
     thickness: f64,
-    /// Rule of the volume's integral: gl<order> (gl30 is the paper's) or ball<n>
+    /// Rule of the volume's integral: glP of order P (gl30 is the paper's), or ballN
     #[arg(long, value_name = "RULE", default_value_t, value_parser = Rule::from_str, help_heading = "Map")]
     quadrature: Rule,
 
