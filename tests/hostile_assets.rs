@@ -121,7 +121,7 @@ fn kind(error: &Error) -> &'static str {
         Error::Asset(AssetError::Container(m)) if m.contains("zstd") || m.contains("compression") => {
             "HDF5: decompression"
         }
-        Error::Asset(AssetError::Container(_)) => "HDF5: structure",
+        Error::Asset(AssetError::Container(_) | AssetError::NotHdf5) => "HDF5: structure",
         Error::Asset(AssetError::NotAnAsset) => "not an asset",
         Error::Asset(AssetError::Version { .. }) => "newer version",
         Error::Asset(AssetError::Missing(_)) => "missing object",

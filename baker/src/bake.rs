@@ -13,7 +13,7 @@ use crate::sdf::{MeshDistance, SignComparison, SignMethod, compare_signs};
 use glam::DVec3;
 use std::time::Instant;
 use volmap_formats::asset::{Array, Asset, QuadratureSpec};
-use volmap_formats::mesh::CleanReport;
+use volmap_formats::mesh::{CleanReport, Placement};
 
 /// What a bake depends on beside the mesh.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -44,6 +44,8 @@ pub struct Summary {
     pub source: Source,
     /// What cleaning did.
     pub cleaning: CleanReport,
+    /// What was done to the file's coordinates.
+    pub placement: Placement,
     /// Box of the placed mesh, metres.
     pub bounds: [DVec3; 2],
     /// What is wrong with the mesh, after the repair.
@@ -142,6 +144,7 @@ pub fn bake(
         warnings: Vec::new(),
         source: input.source.clone(),
         cleaning: input.cleaning.clone(),
+        placement: input.placement,
         plan,
     };
     let summary = Summary { warnings: describe::warnings(&summary, &maps, settings), ..summary };

@@ -97,6 +97,12 @@ pub fn diagnosis(summary: &Summary) -> Attributes {
         ("duplicate_faces", count(cleaning.duplicates)),
         ("warnings", summary.warnings.join("\n").into()),
     ]);
+    if !found.boundary_loops.is_empty() {
+        let loops = || found.boundary_loops.iter();
+        let centers = loops().flat_map(|rim| rim.centroid).collect();
+        out.insert("boundary_loop_lengths".into(), Value::Real(loops().map(|rim| rim.length).collect()));
+        out.insert("boundary_loop_centers".into(), Value::Real(centers));
+    }
     if let Some(signs) = &summary.sign_comparison {
         out.insert("sign_points".into(), count(signs.points));
         out.insert("sign_disagreements".into(), count(signs.disagreeing));
@@ -115,6 +121,13 @@ pub fn warnings(summary: &Summary, maps: &Maps, settings: &BakeSettings) -> Vec<
         out.push(format!(
             "the domain cuts the band of 2 support radii by up to {cut:.4} m; outside the domain the map \
              answers as far from the surface"
+        ));
+    }
+    let cell = summary.plan.grid.cell_size.max_element();
+    if cell > 1.5 * summary.plan.support_radius {
+        out.push(format!(
+            "the cells are {:.1} support radii large: too coarse for the volume; take more cells",
+            cell / summary.plan.support_radius
         ));
     }
     if settings.map.thickness != 0.0 {

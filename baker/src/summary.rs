@@ -2,6 +2,7 @@
 
 use crate::bake::{CellCounts, Summary};
 use std::fmt::{self, Display, Formatter};
+use volmap_formats::mesh::Placement;
 
 impl Display for Summary {
     fn fmt(&self, f: &mut Formatter) -> fmt::Result {
@@ -14,6 +15,10 @@ impl Display for Summary {
             "           box {min:.decimals$} to {max:.decimals$} m, area {} m^2",
             digits(found.area)
         )?;
+        if let Some(placed) = self.placed() {
+            writeln!(f, "placed     {placed}")?;
+        }
+        self.rims(f)?;
         writeln!(f, "sign       {}", self.sign.reason)?;
         let grid = self.plan.grid;
         let n = grid.resolution;
@@ -47,28 +52,72 @@ impl Display for Summary {
     }
 }
 
+/// Rims of holes that are listed.
+const MAX_RIMS: usize = 6;
+
 impl Summary {
+    /// What was done to the file's coordinates, in the order in which it was done.
+    fn placed(&self) -> Option<String> {
+        let (now, asis) = (&self.placement, Placement::default());
+        let mut steps = Vec::new();
+        if now.unit != asis.unit {
+            steps.push(format!("unit {} m", now.unit));
+        }
+        if now.up_axis != asis.up_axis {
+            steps.push(format!("{:?} up", now.up_axis).to_lowercase());
+        }
+        if now.scale != asis.scale {
+            let [x, y, z] = now.scale;
+            steps.push(if x == y && y == z { format!("scale {x}") } else { format!("scale {x}, {y}, {z}") });
+        }
+        if now.rotation.degrees != 0.0 {
+            steps.push(format!("{} degrees around {:?}", now.rotation.degrees, now.rotation.axis));
+        }
+        if now.translation != asis.translation {
+            steps.push(format!("moved by {:?} m", now.translation));
+        }
+        (!steps.is_empty()).then(|| steps.join(", then "))
+    }
+
+    fn rims(&self, f: &mut Formatter) -> fmt::Result {
+        let found = &self.diagnosis;
+        for rim in found.boundary_loops.iter().take(MAX_RIMS) {
+            let [x, y, z] = rim.centroid.map(digits);
+            writeln!(
+                f,
+                "rim        {} edges, {} m long, around ({x}, {y}, {z})",
+                rim.edges,
+                digits(rim.length)
+            )?;
+        }
+        match found.boundary_loop_count.saturating_sub(MAX_RIMS) {
+            0 => Ok(()),
+            more => writeln!(f, "           and {more} shorter"),
+        }
+    }
+
     fn faces(&self) -> String {
         let cleaning = &self.cleaning;
         let mut parts = vec![format!("{} triangles", thousands(self.diagnosis.triangles as u64))];
         let found = [
-            (cleaning.quads, "quads split"),
-            (cleaning.polygons, "polygons split"),
-            (cleaning.welded, "vertices welded"),
-            (cleaning.degenerate, "degenerate faces dropped"),
-            (cleaning.duplicates, "duplicate faces dropped"),
-            (cleaning.unreferenced, "unused vertices dropped"),
-            (cleaning.zero_area, "without area"),
-            (cleaning.fan_fallbacks, "polygons that intersect themselves"),
-            (cleaning.skipped.points, "points left out"),
-            (cleaning.skipped.lines, "lines left out"),
-            (cleaning.skipped.other, "other elements left out"),
+            (cleaning.quads, "quad split", "quads split"),
+            (cleaning.polygons, "polygon split", "polygons split"),
+            (cleaning.welded, "vertex welded", "vertices welded"),
+            (cleaning.degenerate, "degenerate face dropped", "degenerate faces dropped"),
+            (cleaning.duplicates, "duplicate face dropped", "duplicate faces dropped"),
+            (cleaning.unreferenced, "unused vertex dropped", "unused vertices dropped"),
+            (cleaning.zero_area, "without area", "without area"),
+            (cleaning.fan_fallbacks, "polygon that intersects itself", "polygons that intersect themselves"),
+            (cleaning.skipped.points, "point left out", "points left out"),
+            (cleaning.skipped.lines, "line left out", "lines left out"),
+            (cleaning.skipped.other, "other element left out", "other elements left out"),
         ];
         if cleaning.objects > 1 {
             parts.push(format!("{} objects joined", cleaning.objects));
         }
-        let counted = found.iter().filter(|(n, _)| *n > 0);
-        parts.extend(counted.map(|(n, what)| format!("{} {what}", thousands(*n as u64))));
+        for (n, one, many) in found.into_iter().filter(|(n, ..)| *n > 0) {
+            parts.push(format!("{} {}", thousands(n as u64), if n == 1 { one } else { many }));
+        }
         parts.join(", ")
     }
 

@@ -16,8 +16,11 @@ pub enum AssetError {
     /// The system refused.
     #[error("{0}")]
     Io(#[from] std::io::Error),
-    /// The bytes aren't HDF5 that can be read, or damaged.
-    #[error("not a readable HDF5 file ({0}); if it was copied, copy it again; else bake it again")]
+    /// The bytes aren't HDF5 at all.
+    #[error("not an HDF5 file; name an asset that `volmap bake` made")]
+    NotHdf5,
+    /// HDF5 that can't be read, or damaged.
+    #[error("not readable as HDF5 ({0}); if it was copied, copy it again; else bake it again")]
     Container(String),
     /// HDF5, but not ours.
     #[error("not a volume map: the root attribute `format` is missing or isn't \"volmap\"")]

@@ -68,7 +68,10 @@ fn options(budget: usize) -> OpenOptions {
 }
 
 fn container(error: Hdf5Error) -> AssetError {
-    AssetError::Container(printable(&error.to_string()))
+    match error {
+        Hdf5Error::InvalidMagic => AssetError::NotHdf5,
+        other => AssetError::Container(printable(&other.to_string())),
+    }
 }
 
 fn object_error(path: &str, error: Hdf5Error) -> AssetError {
