@@ -36,17 +36,13 @@ const COLUMNS: [&str; 9] = ["distance", "nx", "ny", "nz", "cx", "cy", "cz", "vol
 /// # Errors
 /// A table without these columns, or with a coordinate that is no number.
 pub fn query_csv(map: &VolumeMap, points: impl Read, out: impl Write) -> Result<(), PointsError> {
-    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(points);
-    let mut header = reader.headers()?.clone();
-    let columns = coordinates(&header)?;
+    let mut table = read(points)?;
     let mut writer = csv::Writer::from_writer(out);
-    COLUMNS.iter().for_each(|name| header.push_field(name));
-    writer.write_record(&header)?;
-    let mut record = csv::StringRecord::new();
-    while reader.read_record(&mut record)? {
-        let sample = map.sample(point(&record, columns)?);
-        answer(map, sample).iter().for_each(|field| record.push_field(field));
-        writer.write_record(&record)?;
+    COLUMNS.iter().for_each(|name| table.header.push_field(name));
+    writer.write_record(&table.header)?;
+    for (record, at) in &mut table.rows {
+        answer(map, map.sample(*at)).iter().for_each(|field| record.push_field(field));
+        writer.write_record(&*record)?;
     }
     Ok(writer.flush()?)
 }
@@ -56,15 +52,35 @@ pub fn query_csv(map: &VolumeMap, points: impl Read, out: impl Write) -> Result<
 /// # Errors
 /// As [`query_csv`].
 pub fn query_json(map: &VolumeMap, points: impl Read, mut out: impl Write) -> Result<(), PointsError> {
-    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(points);
-    let columns = coordinates(&reader.headers()?.clone())?;
-    let mut separator = "[\n";
-    for record in reader.records() {
-        let at = point(&record?, columns)?;
-        write!(out, "{separator}{}", object(map, at))?;
-        separator = ",\n";
+    let objects: Vec<Json> = read(points)?.rows.iter().map(|(_, at)| object(map, *at)).collect();
+    match objects.split_last() {
+        None => writeln!(out, "[]")?,
+        Some((last, others)) => {
+            writeln!(out, "[")?;
+            others.iter().try_for_each(|object| writeln!(out, "{object},"))?;
+            writeln!(out, "{last}\n]")?;
+        }
     }
-    Ok(writeln!(out, "{}", if separator == "[\n" { "[]" } else { "\n]" })?)
+    Ok(())
+}
+
+/// A table, read and checked as a whole, so that there are all answers or none.
+struct Table {
+    header: csv::StringRecord,
+    rows: Vec<(csv::StringRecord, DVec3)>,
+}
+
+fn read(points: impl Read) -> Result<Table, PointsError> {
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(points);
+    let header = reader.headers()?.clone();
+    let columns = coordinates(&header)?;
+    let mut rows = Vec::new();
+    for record in reader.into_records() {
+        let record = record?;
+        let at = point(&record, columns)?;
+        rows.push((record, at));
+    }
+    Ok(Table { header, rows })
 }
 
 fn coordinates(header: &csv::StringRecord) -> Result<[usize; 3], PointsError> {

@@ -143,7 +143,7 @@ fn a_bad_mesh_is_told_as_such() {
         "16",
         "--check-sign",
     ]));
-    for part in ["NOT closed", "rim", "1 duplicate faces dropped", "more than two faces", "were turned"] {
+    for part in ["NOT closed", "rim", "1 duplicate face dropped", "more than two faces", "were turned"] {
         assert!(text.contains(part), "no `{part}` in\n{text}");
     }
 }
@@ -253,8 +253,13 @@ fn bad_points_name_line_and_column() {
         ("", "column `x`"),
     ];
     for (points, part) in cases {
-        let text = error(volmap(&folder).args(["query", "t.h5", "--points", "-"]).write_stdin(points));
-        assert!(text.contains(part), "no `{part}` in {text}");
+        for format in [&[][..], &["--json"]] {
+            let mut query = volmap(&folder);
+            query.args(["query", "t.h5", "--points", "-"]).args(format).write_stdin(points);
+            let text = error(&mut query);
+            assert!(text.contains(part), "no `{part}` in {text}");
+            assert!(query.output().unwrap().stdout.is_empty(), "a part of the answers");
+        }
     }
 }
 

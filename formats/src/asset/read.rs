@@ -37,10 +37,12 @@ pub(super) fn read_tree(
             _ => file.group(path),
         };
         let attributes = group.and_then(|g| g.attributes()).map_err(|error| object_error(path, error))?;
-        let attributes = values(path, &attributes)?;
         if path == "/" {
-            check_root(&attributes)?;
+            // A foreign or newer file may have attributes of other types: which it is comes first.
+            let readable = attributes.iter().filter_map(|a| Some((a.name.clone(), value(a).ok()?)));
+            check_root(&readable.collect())?;
         }
+        let attributes = values(path, &attributes)?;
         tree.groups.insert(path.to_owned(), attributes);
     }
     for &path in datasets {

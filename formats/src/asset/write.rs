@@ -81,12 +81,15 @@ fn write_dataset<T: H5Type>(
     let row: usize = dataset.shape[1..].iter().product();
     let rows = dataset.shape[0];
     let element_size = dataset.array.element_size();
-    let chunk_rows = (CHUNK_ELEMENTS / row).min(rows).max(1);
+    let chunk_rows = (CHUNK_ELEMENTS / row).min(rows);
     let mut chunk_shape = dataset.shape.clone();
     chunk_shape[0] = chunk_rows;
-    let created = file
-        .new_dataset::<T>()
-        .shape(&dataset.shape)
+    let builder = file.new_dataset::<T>().shape(&dataset.shape);
+    // libhdf5's tools stumble over an index of no chunks.
+    if rows == 0 {
+        return builder.create(path.trim_start_matches('/'));
+    }
+    let created = builder
         .chunk(&chunk_shape)
         .filter_pipeline(pipeline(element_size, compression))
         .create(path.trim_start_matches('/'))?;
