@@ -119,7 +119,7 @@ const MIN_CELL: f64 = 1e-10;
 /// More rows than the runtime opens.
 const MAX_ROWS: u64 = 1 << 24;
 const MAX_CELLS_PER_AXIS: f64 = (1u32 << 20) as f64;
-/// Measured on one core of an EPYC of 2023: `baker/BENCHMARKS.md`.
+/// Measured with order 30 on one core of an AMD EPYC (Zen 4); half or twice that elsewhere.
 const SECONDS_PER_SAMPLE: f64 = 4e-9;
 const SECONDS_PER_NODE: f64 = 2e-6;
 const BYTES_PER_NODE: u64 = 64;
