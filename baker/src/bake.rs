@@ -129,7 +129,9 @@ pub fn bake(
     clock.lap("volume");
     let sign_comparison = settings.check_sign.then(|| {
         on_step(Step::CheckSign);
-        compare_signs(&phi.mesh, &positions(&maps.nodes, &plan.grid))
+        let comparison = compare_signs(&phi.mesh, &positions(&maps.nodes, &plan.grid));
+        clock.lap("check");
+        comparison
     });
     let summary = Summary {
         bounds: [min, max],

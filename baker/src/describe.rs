@@ -5,10 +5,10 @@ use crate::bake::{BakeSettings, Summary};
 use crate::input::Input;
 use crate::maps::Maps;
 use crate::plan::{GridChoice, Precision};
-use glam::{DVec3, IVec3};
+use crate::sdf::leaks::leaks;
+use glam::DVec3;
 use volmap_formats::asset::{Attributes, Value};
 use volmap_formats::mesh::UpAxis;
-use volmap_runtime::{Cell, CellIndex, Grid};
 
 fn attributes<const N: usize>(pairs: [(&str, Value); N]) -> Attributes {
     pairs.map(|(name, value)| (name.to_owned(), value)).into()
@@ -183,7 +183,7 @@ fn sign_warnings(summary: &Summary, maps: &Maps, out: &mut Vec<String>) {
     if !maps.distance.iter().any(|phi| *phi < 0.0) {
         out.push("no node lies inside: the map has no solid; give sheets a --thickness, and thin parts smaller cells".into());
     }
-    let leaks = leaks(&summary.plan.grid, maps);
+    let leaks = leaks(summary.plan.grid.resolution, &maps.cells);
     if leaks > 0 {
         out.push(format!(
             "inside meets outside away from the surface at {leaks} cell faces: a hole is wider than the band; \
@@ -199,25 +199,6 @@ fn sign_warnings(summary: &Summary, maps: &Maps, out: &mut Vec<String>) {
             signs.disagreeing, signs.points
         ));
     }
-}
-
-/// Faces between a cell deep in the solid and one far outside.
-fn leaks(grid: &Grid, maps: &Maps) -> usize {
-    let index = CellIndex::new(grid.resolution, &maps.cells.band, &maps.cells.solid, &maps.nodes);
-    let n = grid.resolution.as_ivec3();
-    let fluid = |cell: IVec3| {
-        let inside = cell.cmpge(IVec3::ZERO).all() && cell.cmplt(n).all();
-        inside && index.find(cell.as_uvec3()) == Cell::Fluid
-    };
-    let around = |cell: IVec3| {
-        let steps = [IVec3::X, IVec3::NEG_X, IVec3::Y, IVec3::NEG_Y, IVec3::Z, IVec3::NEG_Z];
-        steps.into_iter().filter(|step| fluid(cell + step)).count()
-    };
-    let run_leaks = |run: &volmap_formats::asset::CellRun| -> usize {
-        let cell = |i: u32| IVec3::new(i as i32, run.j as i32, run.k as i32);
-        (run.i..run.i + run.len).map(|i| around(cell(i))).sum()
-    };
-    maps.cells.solid.iter().map(run_leaks).sum()
 }
 
 fn plural(n: usize) -> &'static str {

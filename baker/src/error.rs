@@ -40,7 +40,7 @@ pub enum Error {
     /// The bake would need more memory than allowed.
     #[error(
         "the bake would need about {} MiB, more than --max-memory {} MiB; take larger cells \
-         (--cell-size, --resolution) or allow more",
+         (--cell-size, --resolution, --support-radius) or allow more",
         needed >> 20, allowed >> 20
     )]
     Memory {

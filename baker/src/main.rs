@@ -57,8 +57,9 @@ fn run_bake(arguments: &BakeArguments) -> Result<()> {
     progress.finish();
     let start = Instant::now();
     {
-        let _no_exit = writing.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut written = writing.lock().unwrap_or_else(PoisonError::into_inner);
         asset::write(&output, &baked.asset, arguments.compression())?;
+        *written = true;
     }
     baked.summary.seconds.insert(0, ("read", read_seconds));
     baked.summary.seconds.push(("write", start.elapsed().as_secs_f64()));
@@ -78,13 +79,14 @@ fn run_bake(arguments: &BakeArguments) -> Result<()> {
     Ok(())
 }
 
-/// Ends the program on Ctrl-C at once, but not while the lock is held: nothing half-written stays.
-fn exit_between_writes() -> Result<Arc<Mutex<()>>> {
-    let writing = Arc::new(Mutex::new(()));
+/// Ends the program on Ctrl-C at once, but not while the lock is held: nothing half-written stays. The flag says
+/// whether the asset is written.
+fn exit_between_writes() -> Result<Arc<Mutex<bool>>> {
+    let writing = Arc::new(Mutex::new(false));
     let handler_lock = writing.clone();
     ctrlc::set_handler(move || {
-        let _no_write = handler_lock.lock().unwrap_or_else(PoisonError::into_inner);
-        eprintln!("stopped; nothing was written");
+        let written = handler_lock.lock().unwrap_or_else(PoisonError::into_inner);
+        eprintln!("stopped; {}", if *written { "the asset is complete" } else { "nothing was written" });
         std::process::exit(130);
     })?;
     Ok(writing)

@@ -70,10 +70,9 @@ pub fn compute_maps(
 
 fn numbered(resolution: UVec3, cells: &BandCells) -> Result<Nodes, Error> {
     if cells.band.is_empty() {
-        return Err(Error::setting(
-            "--domain",
-            "no surface within 2 support radii of it; move or enlarge it",
-        ));
+        let reason = "no surface is within 2 support radii of the domain; move or enlarge it, or, if nothing of the \
+                      solid is left, take another --thickness";
+        return Err(Error::setting("--domain", reason));
     }
     let too_many = || Error::setting("--resolution", "the band has more than 2^32 nodes; take larger cells");
     Nodes::new(resolution, &cells.band).ok_or_else(too_many)

@@ -137,12 +137,9 @@ pub fn plan(extent: &Extent, settings: &Settings) -> Result<Plan, Error> {
     let [low, high] = domain(needed, settings)?;
     let grid = grid(low, high, support_radius, settings)?;
     check_precision(&grid)?;
-    let cut = [(low - needed[0]).max(DVec3::ZERO), (needed[1] - high).max(DVec3::ZERO)];
+    let cut = cut(&grid, needed);
     let cuts = cut[0].max_element().max(cut[1].max_element()) > 0.0;
-    let margin = match cuts {
-        true => (support_radius / grid.cell_size).ceil().as_uvec3() + 1,
-        false => UVec3::ZERO,
-    };
+    let margin = if cuts { margin(&grid, support_radius)? } else { UVec3::ZERO };
     let estimate = estimate(extent, &grid, margin, band_width, settings);
     if estimate.memory > settings.max_memory {
         return Err(Error::Memory { needed: estimate.memory, allowed: settings.max_memory });
@@ -169,6 +166,22 @@ impl Plan {
     }
 }
 
+/// By how much the domain ends within the band, but for rounding.
+fn cut(grid: &Grid, needed: [DVec3; 2]) -> [DVec3; 2] {
+    let beyond = |length: DVec3| DVec3::select(length.cmpgt(1e-6 * grid.cell_size), length, DVec3::ZERO);
+    [beyond(grid.origin - needed[0]), beyond(needed[1] - grid.max_corner())]
+}
+
+/// Cells within reach of a node beyond the domain's faces.
+fn margin(grid: &Grid, support_radius: f64) -> Result<UVec3, Error> {
+    let cells = (support_radius / grid.cell_size).ceil() + 1.0;
+    check_resolution(
+        "--domain, which cuts the band, with a support radius around it",
+        grid.resolution.as_dvec3() + 2.0 * cells,
+    )?;
+    Ok(cells.as_uvec3())
+}
+
 fn finite(option: &'static str, value: f64) -> Result<f64, Error> {
     match value.is_finite() {
         true => Ok(value),
@@ -180,7 +193,10 @@ fn support_radius(extent: &Extent, settings: &Settings) -> Result<f64, Error> {
     let diagonal = (extent.max - extent.min).length();
     let radius = settings.support_radius.unwrap_or_else(|| rounded(diagonal / 20.0));
     if !(radius > 0.0 && radius.is_finite()) {
-        return Err(Error::setting("--support-radius", format!("{radius} is not a positive length")));
+        return Err(Error::setting(
+            "--support-radius (four times --particle-radius)",
+            format!("{radius} is not a positive length"),
+        ));
     }
     let [least, most] = SUPPORT_RADII;
     if !(least..=most).contains(&radius) {
@@ -264,7 +280,11 @@ fn estimate(extent: &Extent, grid: &Grid, margin: UVec3, width: f64, settings: &
     let resolution = grid.resolution + 2 * margin;
     // The band is a slab of the surface's area, with half a cell's diagonal more on each side, and round rims.
     let depth = width + 0.5 * grid.cell_size.length();
-    let band = extent.area * 2.0 * depth + PI * depth * depth * (extent.max - extent.min).length();
+    let size = extent.max - extent.min + 2.0 * settings.thickness.abs();
+    // Moved by the thickness, the surface is about as large as its box, or larger.
+    let moved = 2.0 * (size.x * size.y + size.y * size.z + size.z * size.x);
+    let area = if settings.thickness == 0.0 { extent.area } else { extent.area.max(moved) };
+    let band = area * 2.0 * depth + PI * depth * depth * (extent.max - extent.min).length();
     let cells = (band / cell_volume).min(resolution.as_dvec3().element_product());
     let nodes = 8.0 * cells;
     let samples = nodes * settings.rule.points().len() as f64;

@@ -52,16 +52,13 @@ pub fn query_csv(map: &VolumeMap, points: impl Read, out: impl Write) -> Result<
 /// # Errors
 /// As [`query_csv`].
 pub fn query_json(map: &VolumeMap, points: impl Read, mut out: impl Write) -> Result<(), PointsError> {
-    let objects: Vec<Json> = read(points)?.rows.iter().map(|(_, at)| object(map, *at)).collect();
-    match objects.split_last() {
-        None => writeln!(out, "[]")?,
-        Some((last, others)) => {
-            writeln!(out, "[")?;
-            others.iter().try_for_each(|object| writeln!(out, "{object},"))?;
-            writeln!(out, "{last}\n]")?;
-        }
+    let rows = read(points)?.rows;
+    writeln!(out, "[")?;
+    for (number, (_, at)) in rows.iter().enumerate() {
+        let separator = if number + 1 < rows.len() { "," } else { "" };
+        writeln!(out, "{}{separator}", object(map, *at))?;
     }
-    Ok(())
+    Ok(writeln!(out, "]")?)
 }
 
 /// A table, read and checked as a whole, so that there are all answers or none.

@@ -12,6 +12,7 @@ mod bvh_build;
 pub mod closest_point;
 mod coarse_block;
 pub mod field;
+pub mod leaks;
 pub mod mesh_distance;
 pub mod pseudonormal;
 pub mod sign;

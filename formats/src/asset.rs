@@ -122,7 +122,8 @@ pub fn check_target(path: &Path) -> Result<(), AssetError> {
     publish::check_target(path).map_err(|error| AssetError::Io(error).in_file(path))
 }
 
-/// Writes an asset: to a temporary file beside `path`, read back and compared, then renamed.
+/// Writes an asset: to a scratch file in the system's temporary folder, read back and compared; then the file at
+/// `path` appears whole.
 /// The bytes are a function of the asset and the compression alone.
 ///
 /// # Errors

@@ -227,8 +227,8 @@ class Map:
         numbers(rule, "points", "u")
         need(numbers(rule, "degree", "u") < 1 << 32, "degree is out of range")
 
-        elements = sum(file[path].size or 0 for path in TABLES + FIELDS)
-        need(8 * elements <= 256 * os.path.getsize(file.filename) + (16 << 20), "too large for the file's size")
+        decoded = sum((file[path].size or 0) * file[path].dtype.itemsize for path in TABLES + FIELDS)
+        need(decoded <= 4096 * os.path.getsize(file.filename) + (16 << 20), "too large for the file's size")
         self.band, self.solid = (Runs(dataset(file, path, ["u32"], 2)[1], self.resolution) for path in TABLES)
         runs = np.concatenate([np.stack([t.start, t.start + t.length]) for t in (self.band, self.solid)], 1)
         start, end = runs[:, np.argsort(runs[0], kind="stable")]

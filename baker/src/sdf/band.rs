@@ -26,7 +26,7 @@ impl BandCells {
     }
 }
 
-/// Cells of a block that one task splits on its own.
+/// Blocks of more cells along an axis are split by several threads.
 const TASK_CELLS: u32 = 16;
 /// How often a cell on the edge of the band is split; undecided parts count as in the band.
 const REFINEMENTS: u32 = 2;
@@ -35,21 +35,8 @@ const REFINEMENTS: u32 = 2;
 /// doesn't change its sign.
 pub fn find_band(grid: &Grid, width: f64, phi: &impl SignedDistance) -> BandCells {
     let search = Search { grid, width, phi };
-    let counts = grid.resolution.map(|n| n.div_ceil(TASK_CELLS));
-    let tasks: Vec<UVec3> = (0..counts.z)
-        .flat_map(|z| (0..counts.y).map(move |y| (y, z)))
-        .flat_map(|(y, z)| (0..counts.x).map(move |x| UVec3::new(x, y, z) * TASK_CELLS))
-        .collect();
-    let found: Vec<BandCells> = tasks
-        .into_par_iter()
-        .map(|low| {
-            let mut cells = BandCells::default();
-            search.block(low, (low + TASK_CELLS).min(grid.resolution), &mut cells);
-            cells
-        })
-        .collect();
-    let (band, solid): (Vec<_>, Vec<_>) = found.into_iter().map(|cells| (cells.band, cells.solid)).unzip();
-    BandCells { band: joined(band.concat()), solid: joined(solid.concat()) }
+    let found = search.block(UVec3::ZERO, grid.resolution);
+    BandCells { band: joined(found.band), solid: joined(found.solid) }
 }
 
 struct Search<'a, D> {
@@ -59,37 +46,35 @@ struct Search<'a, D> {
 }
 
 impl<D: SignedDistance> Search<'_, D> {
-    fn block(&self, low: UVec3, high: UVec3, cells: &mut BandCells) {
+    fn block(&self, low: UVec3, high: UVec3) -> BandCells {
+        let mut cells = BandCells::default();
         let (corner, opposite) = (self.grid.cell_corner(low), self.grid.cell_corner(high));
         let center = 0.5 * (corner + opposite);
         let distance = self.phi.at(center);
         // Rounding of the corners must not hide a touching cell.
         let reach = 0.5 * (opposite - corner).length() * (1.0 + 1e-9);
-        let size = high - low;
         if distance.abs() - reach > self.width {
             if distance < 0.0 {
                 push_box(low, high, &mut cells.solid);
             }
-        } else if size == UVec3::ONE {
+        } else if high - low == UVec3::ONE {
             if self.touches(center, 0.5 * (opposite - corner), distance, REFINEMENTS) {
                 push_box(low, high, &mut cells.band);
             } else if distance < 0.0 {
                 push_box(low, high, &mut cells.solid);
             }
         } else {
-            let middle = low + (size + 1) / 2;
-            let halves = |axis: usize| match size[axis] {
-                1 => vec![(low[axis], high[axis])],
-                _ => vec![(low[axis], middle[axis]), (middle[axis], high[axis])],
+            let parts = octants(low, high);
+            let found: Vec<BandCells> = match (high - low).max_element() > TASK_CELLS {
+                true => parts.into_par_iter().map(|(low, high)| self.block(low, high)).collect(),
+                false => parts.into_iter().map(|(low, high)| self.block(low, high)).collect(),
             };
-            for z in halves(2) {
-                for y in halves(1) {
-                    for x in halves(0) {
-                        self.block(UVec3::new(x.0, y.0, z.0), UVec3::new(x.1, y.1, z.1), cells);
-                    }
-                }
+            for part in found {
+                cells.band.extend(part.band);
+                cells.solid.extend(part.solid);
             }
         }
+        cells
     }
 
     /// Whether a box (centre, half size) has a point in the band; `distance` is Phi at the centre.
@@ -109,6 +94,22 @@ impl<D: SignedDistance> Search<'_, D> {
             self.touches(part, 0.5 * half, self.phi.at(part), refinements - 1)
         })
     }
+}
+
+/// The halves of a block along every axis that has more than one cell.
+fn octants(low: UVec3, high: UVec3) -> Vec<(UVec3, UVec3)> {
+    let middle = low + (high - low + 1) / 2;
+    let mut parts = vec![(low, high)];
+    for axis in (0..3).filter(|&axis| high[axis] - low[axis] > 1) {
+        let halves = |(low, high): (UVec3, UVec3)| {
+            let (mut upper_low, mut lower_high) = (low, high);
+            upper_low[axis] = middle[axis];
+            lower_high[axis] = middle[axis];
+            [(low, lower_high), (upper_low, high)]
+        };
+        parts = parts.into_iter().flat_map(halves).collect();
+    }
+    parts
 }
 
 fn push_box(low: UVec3, high: UVec3, runs: &mut Vec<CellRun>) {

@@ -100,7 +100,8 @@ impl MeshDistance {
         let known_distance = known.signed_distance.abs();
         let closest = self.closest_within(p, known_distance + way);
         let distance = closest.distance_squared.sqrt();
-        let same_side = self.balanced && way < known_distance * (1.0 - 1e-9);
+        let carries = self.balanced && self.choice.method != SignMethod::Pseudonormal;
+        let same_side = carries && way < known_distance * (1.0 - 1e-9);
         let inside = if same_side { known.signed_distance < 0.0 } else { self.inside(p, &closest) };
         if inside { -distance } else { distance }
     }

@@ -11,8 +11,9 @@ use hdf5_reader::{Attribute, Datatype, Hdf5File, OpenOptions, dataset};
 
 /// A chunk that our writer makes has at most 2^16 elements of 8 bytes.
 const MAX_CHUNK_BYTES: usize = 1 << 20;
-/// All datasets together, decoded, may be this many times as long as the file, and some more.
-const MAX_EXPANSION: usize = 256;
+/// All datasets together, decoded, may be this many times as long as the file, and some more. Rows of equal values,
+/// as floors and walls have, are compressed over a thousandfold.
+const MAX_EXPANSION: usize = 4096;
 const ALWAYS_ALLOWED_BYTES: usize = 1 << 24;
 const MAX_OBJECT_HEADER_BYTES: usize = 1 << 20;
 const ZSTD_FILTER: u16 = 32015;
@@ -108,7 +109,11 @@ fn read_dataset(path: &str, dataset: &dataset::Dataset, budget: &mut usize) -> R
     let too_large = || AssetError::invalid(path, "claims more data than a file of this size can hold");
     let shape: Vec<usize> = dataset.shape().iter().map(|&n| n as usize).collect();
     let count = shape.iter().try_fold(1usize, |product, &n| product.checked_mul(n));
-    let bytes = count.and_then(|n| n.checked_mul(8)).ok_or_else(too_large)?;
+    let element_size = match dataset.dtype() {
+        Datatype::FloatingPoint { size: 8, .. } => 8,
+        _ => 4,
+    };
+    let bytes = count.and_then(|n| n.checked_mul(element_size)).ok_or_else(too_large)?;
     *budget = budget.checked_sub(bytes).ok_or_else(too_large)?;
     let failed = |error: Hdf5Error| AssetError::Container(printable(&format!("{path}: {error}")));
     let array = match dataset.dtype() {

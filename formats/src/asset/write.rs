@@ -33,9 +33,7 @@ const CHUNK_ELEMENTS: usize = 1 << 16;
 
 /// Writes to a scratch file in the system's temporary folder, reads that back, and only then makes the file.
 pub(super) fn write_file(path: &Path, tree: &Tree, compression: Compression) -> Result<(), AssetError> {
-    let scratch = tempfile::Builder::new().prefix("volmap-").suffix(".h5").tempfile()?;
-    write_tree(scratch.path(), tree, compression)?;
-    let bytes = std::fs::read(scratch.path())?;
+    let bytes = to_bytes(tree, compression).map_err(|error| error.in_file(&std::env::temp_dir()))?;
     let groups: Vec<&str> = tree.groups.keys().map(String::as_str).collect();
     let datasets: Vec<&str> = tree.datasets.keys().map(String::as_str).collect();
     let back = read_tree(bytes.clone(), &groups, &datasets, |_| Ok(()))?;
@@ -46,6 +44,13 @@ pub(super) fn write_file(path: &Path, tree: &Tree, compression: Compression) -> 
         return Err(AssetError::Container("what was written doesn't read back".into()));
     }
     Ok(publish(&bytes, path)?)
+}
+
+/// That crate writes files only.
+fn to_bytes(tree: &Tree, compression: Compression) -> Result<Vec<u8>, AssetError> {
+    let scratch = tempfile::Builder::new().prefix("volmap-").suffix(".h5").tempfile()?;
+    write_tree(scratch.path(), tree, compression)?;
+    Ok(std::fs::read(scratch.path())?)
 }
 
 fn write_tree(path: &Path, tree: &Tree, compression: Compression) -> Result<(), AssetError> {
