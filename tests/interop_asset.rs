@@ -2,11 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
-
-fn python() -> PathBuf {
-    let default = Path::new(env!("CARGO_MANIFEST_DIR")).join("../.venv/bin/python");
-    std::env::var_os("VOLMAP_PYTHON").map_or(default, Into::into)
-}
+use volmap_tests::python;
 
 /// The program, beside the folder of the tests; `cargo build --release` makes it.
 fn volmap() -> PathBuf {

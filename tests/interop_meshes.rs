@@ -4,13 +4,9 @@ use std::path::Path;
 
 use serde_json::Value;
 use volmap_formats::mesh::{CleanSettings, TriangleMesh, load};
+use volmap_tests::python;
 
 type Point = [f64; 3];
-
-fn python() -> std::path::PathBuf {
-    let default = Path::new(env!("CARGO_MANIFEST_DIR")).join("../.venv/bin/python");
-    std::env::var_os("VOLMAP_PYTHON").map_or(default, Into::into)
-}
 
 struct Expected {
     points: Vec<Point>,

@@ -1,5 +1,6 @@
 //! What the tests share.
 
+use std::path::{Path, PathBuf};
 use volmap_baker::maps::{Maps, compute_maps};
 use volmap_baker::plan::{Extent, GridChoice, Plan, Settings, plan};
 use volmap_formats::asset::{Array, Asset, Attributes, QuadratureSpec};
@@ -91,4 +92,10 @@ pub fn asset_of(plan: &Plan, settings: &Settings, maps: Maps) -> Asset {
 pub fn map_of(solid: &Solid, resolution: u32, settings: &Settings) -> VolumeMap {
     let (plan, maps) = compute(solid, resolution, settings);
     VolumeMap::from_asset(&asset_of(&plan, settings, maps)).unwrap()
+}
+
+/// The Python of the interop tests: `$VOLMAP_PYTHON`, or that of the environment that `.ci/run` makes.
+pub fn python() -> PathBuf {
+    let default = Path::new(env!("CARGO_MANIFEST_DIR")).join("../.venv/bin/python");
+    std::env::var_os("VOLMAP_PYTHON").map_or(default, Into::into)
 }

@@ -4,7 +4,7 @@ use crate::error::Error;
 use crate::volume_map::quadrature::Rule;
 use glam::{DVec3, UVec3};
 use std::f64::consts::PI;
-use volmap_formats::asset::Exterior;
+use volmap_formats::asset::{Exterior, MAX_CELLS_PER_AXIS, MAX_ROWS};
 use volmap_runtime::Grid;
 
 /// How the cells are chosen.
@@ -116,9 +116,6 @@ const SUPPORT_RADII: [f64; 2] = [1e-9, 1e9];
 const MAX_EXTENT: f64 = 1e12;
 /// Part of a coordinate that a cell's edge must exceed: nodes must not fall together by rounding.
 const MIN_CELL: f64 = 1e-10;
-/// More rows than the runtime opens.
-const MAX_ROWS: u64 = 1 << 24;
-const MAX_CELLS_PER_AXIS: f64 = (1u32 << 20) as f64;
 /// Measured with order 30 on one core of an AMD EPYC (Zen 4); half or twice that elsewhere.
 const SECONDS_PER_SAMPLE: f64 = 4e-9;
 const SECONDS_PER_NODE: f64 = 2e-6;
@@ -265,7 +262,7 @@ fn check_precision(grid: &Grid) -> Result<(), Error> {
 fn check_resolution(option: &'static str, cells: DVec3) -> Result<(), Error> {
     let reason = if cells.min_element() < 1.0 {
         "an axis has no cell"
-    } else if cells.max_element() > MAX_CELLS_PER_AXIS {
+    } else if cells.max_element() > f64::from(MAX_CELLS_PER_AXIS) {
         "an axis has more than 1,048,576 cells; take larger ones"
     } else if cells.y * cells.z > MAX_ROWS as f64 {
         "the grid has more than 2^24 rows of cells along x; take larger cells"

@@ -16,7 +16,7 @@ mod tree;
 mod write;
 
 pub use error::AssetError;
-pub use schema::{FORMAT_NAME, FORMAT_VERSION};
+pub use schema::{FORMAT_NAME, FORMAT_VERSION, MAX_CELLS_PER_AXIS, MAX_ROWS};
 pub use tree::{Array, Attributes, Dataset, Tree, Value};
 #[cfg(feature = "write")]
 pub use write::Compression;

@@ -7,11 +7,7 @@ use crate::nodes::Nodes;
 use crate::query::{Fields, VolumeMap};
 use glam::{DVec3, UVec3};
 use std::path::Path;
-use volmap_formats::asset::{self, Array, Asset, CellRun};
-
-/// Rows of cells (resolution y times z) that an index is made for.
-const MAX_ROWS: u64 = 1 << 24;
-const MAX_CELLS_PER_AXIS: u32 = 1 << 20;
+use volmap_formats::asset::{self, Array, Asset, CellRun, MAX_CELLS_PER_AXIS, MAX_ROWS};
 
 impl VolumeMap {
     /// Opens an asset.
@@ -107,7 +103,7 @@ fn interleave(distance: &Array, volume: &Array, nodes: usize) -> Result<Fields, 
             let reason = format!("has {} values for {nodes} nodes", field.len());
             return Err(Error::inconsistent(what, reason));
         }
-        if !is_finite(field) {
+        if !field.is_finite() {
             return Err(Error::inconsistent(what, "has values that aren't finite"));
         }
     }
@@ -115,13 +111,5 @@ fn interleave(distance: &Array, volume: &Array, nodes: usize) -> Result<Fields, 
         (Array::F32(d), Array::F32(v)) => Ok(Fields::F32(d.iter().zip(v).map(|(&d, &v)| [d, v]).collect())),
         (Array::F64(d), Array::F64(v)) => Ok(Fields::F64(d.iter().zip(v).map(|(&d, &v)| [d, v]).collect())),
         _ => Err(Error::inconsistent("/fields", "differ in precision")),
-    }
-}
-
-fn is_finite(field: &Array) -> bool {
-    match field {
-        Array::F32(v) => v.iter().all(|x| x.is_finite()),
-        Array::F64(v) => v.iter().all(|x| x.is_finite()),
-        Array::U32(_) => true,
     }
 }

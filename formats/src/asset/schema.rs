@@ -19,8 +19,10 @@ pub(super) const DATASETS: [&str; 4] =
 /// Eq. 13 of Bender et al. 2020, the one extension function of this version.
 const EXTENSION: &str = "cubic_spline";
 const NODE_LAYOUT: &str = "cubic_serendipity_32";
-/// Larger grids would overflow the indices of rows.
-const MAX_CELLS_PER_AXIS: u64 = 1 << 20;
+/// Cells along an axis of a grid, at most.
+pub const MAX_CELLS_PER_AXIS: u32 = 1 << 20;
+/// Rows of cells along x (resolution y times z), at most: indices of rows take memory.
+pub const MAX_ROWS: u64 = 1 << 24;
 
 /// The file's content for an asset, checksums included.
 #[cfg(feature = "write")]
@@ -171,7 +173,7 @@ pub(super) fn asset_from_tree(mut tree: Tree) -> Result<Asset, AssetError> {
 
 fn grid_spec(group: &Reader) -> Result<GridSpec, AssetError> {
     let resolution = group.integers::<3>("resolution")?;
-    if resolution.iter().any(|&n| n == 0 || n > MAX_CELLS_PER_AXIS) {
+    if resolution.iter().any(|&n| n == 0 || n > MAX_CELLS_PER_AXIS.into()) {
         return Err(group.invalid("resolution", "is outside 1 to 1048576 cells an axis"));
     }
     let cell_size = group.reals::<3>("cell_size")?;
@@ -206,12 +208,10 @@ fn runs(tree: &Tree, path: &str) -> Result<Vec<CellRun>, AssetError> {
 
 fn field(tree: &mut Tree, path: &str) -> Result<Array, AssetError> {
     let dataset = tree.datasets.remove(path).ok_or_else(|| AssetError::Missing(path.into()))?;
-    let finite = match &dataset.array {
-        Array::F32(v) => v.iter().all(|x| x.is_finite()),
-        Array::F64(v) => v.iter().all(|x| x.is_finite()),
-        Array::U32(_) => return Err(AssetError::invalid(path, "isn't f32 or f64")),
-    };
-    match (finite, dataset.shape.len()) {
+    if matches!(dataset.array, Array::U32(_)) {
+        return Err(AssetError::invalid(path, "isn't f32 or f64"));
+    }
+    match (dataset.array.is_finite(), dataset.shape.len()) {
         (true, 1) => Ok(dataset.array),
         (false, _) => Err(AssetError::invalid(path, "has values that aren't finite")),
         _ => Err(AssetError::invalid(path, "has more than one axis")),

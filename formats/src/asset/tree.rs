@@ -85,6 +85,15 @@ impl Array {
         self.len() == 0
     }
 
+    /// Whether no element is NaN or infinite.
+    pub fn is_finite(&self) -> bool {
+        match self {
+            Array::F32(v) => v.iter().all(|x| x.is_finite()),
+            Array::F64(v) => v.iter().all(|x| x.is_finite()),
+            Array::U32(_) => true,
+        }
+    }
+
     /// Bytes of an element.
     pub fn element_size(&self) -> usize {
         match self {
