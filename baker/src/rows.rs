@@ -33,18 +33,62 @@ impl NodeRow {
 /// Calls `fill` for every row with the slice of values of its nodes, on all threads.
 pub fn fill_rows(nodes: &Nodes, fill: impl Fn(NodeRow, &mut [f64]) + Sync) -> Vec<f64> {
     let mut values = vec![0.0; nodes.count()];
-    let mut rest = values.as_mut_slice();
-    let mut tasks = Vec::new();
+    rows_of(nodes, &mut values).into_par_iter().for_each(|(row, own)| fill(row, own));
+    values
+}
+
+/// All rows of nodes, with their part of the values.
+fn rows_of<'a>(nodes: &Nodes, values: &'a mut [f64]) -> Vec<(NodeRow, &'a mut [f64])> {
+    let mut rest = values;
+    let mut rows = Vec::new();
     for family in Family::ALL {
         for (j, k, interval) in nodes.intervals(family) {
             let row = NodeRow { family, first: interval.first, end: interval.end, j, k };
             let length = (row.end - row.first) * family.nodes_per_point();
-            let (own, others) = rest.split_at_mut(length as usize);
-            rest = others;
-            tasks.push((row, own));
+            let own = rest.split_off_mut(..length as usize).expect("the intervals hold all nodes");
+            rows.push((row, own));
         }
     }
-    tasks.into_par_iter().for_each(|(row, own)| fill(row, own));
+    rows
+}
+
+/// Rows of nodes of all families on the same lattice row that touch each other, with their values.
+pub struct RowCluster<'a> {
+    /// First lattice point of any.
+    pub first: u32,
+    /// One past the last.
+    pub end: u32,
+    /// Row along y.
+    pub j: u32,
+    /// Row along z.
+    pub k: u32,
+    /// The rows.
+    pub rows: Vec<(NodeRow, &'a mut [f64])>,
+}
+
+/// Calls `fill` for every cluster of rows, on all threads, with what `init` makes once per thread.
+pub fn fill_clusters<S>(
+    nodes: &Nodes,
+    init: impl Fn() -> S + Sync + Send,
+    fill: impl Fn(&mut S, &mut RowCluster) + Sync + Send,
+) -> Vec<f64> {
+    let mut values = vec![0.0; nodes.count()];
+    let mut rows = rows_of(nodes, &mut values);
+    rows.sort_unstable_by_key(|(row, _)| (row.k, row.j, row.first, row.family as u32));
+    let mut clusters: Vec<RowCluster> = Vec::new();
+    for (row, own) in rows {
+        match clusters.last_mut().filter(|c| (c.k, c.j) == (row.k, row.j) && row.first <= c.end) {
+            Some(cluster) => {
+                cluster.end = cluster.end.max(row.end);
+                cluster.rows.push((row, own));
+            }
+            None => {
+                let NodeRow { first, end, j, k, .. } = row;
+                clusters.push(RowCluster { first, end, j, k, rows: vec![(row, own)] });
+            }
+        }
+    }
+    clusters.into_par_iter().for_each_init(init, |state, mut cluster| fill(state, &mut cluster));
     values
 }
 

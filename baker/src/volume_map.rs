@@ -2,15 +2,15 @@
 //!
 //! - [`extension`]: the cubic extension function, Eq. 13;
 //! - [`quadrature`]: rules for the ball, Gauss-Legendre and product rules;
-//! - [`bounds`]: cells whose interpolated Phi is known to be inside or beyond r;
 //! - [`lattice`]: Eq. 12 at all nodes of the grid, in rows;
-//! - `kernel`, `dispatch`: the inner loop, and the widest vectors that the processor has for it;
+//! - `window`: rows of cells laid side by side, those known to be inside or beyond r among them;
+//! - [`kernel`], [`dispatch`]: the inner loops, and their form for the processor at hand;
 //! - [`oracle`]: Eq. 12 at any point, plain and slow, kept to test the other.
 
-pub mod bounds;
-mod dispatch;
+pub mod dispatch;
 pub mod extension;
-mod kernel;
+pub mod kernel;
 pub mod lattice;
 pub mod oracle;
 pub mod quadrature;
+mod window;

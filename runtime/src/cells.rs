@@ -3,6 +3,7 @@
 use crate::nodes::{Nodes, row_table};
 use crate::serendipity::NODES;
 use glam::UVec3;
+use std::ops::Range;
 use volmap_formats::asset::CellRun;
 
 /// What is known of a cell.
@@ -28,6 +29,17 @@ impl NodeNumbers {
     /// Number of the cell among the stored ones, by (k, j, i).
     pub fn cell(&self) -> usize {
         self.cell as usize
+    }
+
+    /// The numbers of the cell `steps` cells further in the same run.
+    pub fn along(self, steps: u32) -> NodeNumbers {
+        NodeNumbers { steps: self.steps + steps, cell: self.cell + steps, ..self }
+    }
+
+    /// The 32 numbers, each with what it grows by from a cell of the run to the next.
+    pub fn places(&self) -> [(u32, u32); NODES] {
+        let numbers = self.all();
+        std::array::from_fn(|a| (numbers[a], if a < 8 { 1 } else { 2 }))
     }
 
     /// All 32 numbers.
@@ -131,6 +143,20 @@ impl CellIndex {
         size_of_val(self.row_start.as_slice())
             + size_of_val(self.runs.as_slice())
             + size_of_val(self.bases.as_slice())
+    }
+
+    /// The runs of cells in row (y, z) that end behind `first`: their range along x, and what their first cell is.
+    pub fn runs_from(&self, first: u32, y: u32, z: u32) -> impl Iterator<Item = (Range<u32>, Cell)> + '_ {
+        let row = (y + self.resolution.y * z) as usize;
+        let runs = &self.runs[self.row_start[row] as usize..self.row_start[row + 1] as usize];
+        let from = runs.partition_point(|run| run.end <= first);
+        runs[from..].iter().map(|run| {
+            let cell = match run.bases {
+                SOLID => Cell::Solid,
+                at => Cell::Band(self.bases[at as usize].numbers(0)),
+            };
+            (run.first..run.end, cell)
+        })
     }
 
     /// What is known of a cell of the grid.

@@ -1,64 +1,55 @@
-//! The kernel compiled for wider vectors than the baseline's, chosen at run time.
+//! The kernel compiled for vectors with fused multiply-add, chosen at run time.
 //!
-//! The only unsafe code of the crate: calling a function that was compiled for a processor feature. Each call stands
-//! behind the test for that feature.
+//! The only unsafe code of the volume map: calling a function that was compiled for a processor feature. Each call
+//! stands behind the test for that feature. Without it (x86-64 before 2013) the multiply-adds are library calls: slow,
+//! and with the same bits. Other processors have them in their baseline, as aarch64 does.
 #![allow(unsafe_code)]
 
-use super::kernel::{self, Block};
-use volmap_runtime::serendipity::NODES;
+use super::kernel::{self, Group, Window};
 
-/// The signature of [`kernel::integral`].
-pub type Integral = fn(&[Block], &[f64; NODES], f64) -> f64;
+/// The kernel for this processor.
+#[derive(Clone, Copy, Debug)]
+pub struct Kernel {
+    /// [`kernel::accumulate`].
+    pub accumulate: fn(&[Group], &Window, i32, &mut [f64]),
+    /// [`kernel::to_monomials`].
+    pub to_monomials: fn(&mut Window),
+    /// [`kernel::classify`].
+    pub classify: fn(&mut Window),
+}
 
-/// The kernel for the widest vectors that this processor has.
-pub fn integral() -> Integral {
+/// The kernel for the baseline: the scalar twin.
+pub const PORTABLE: Kernel =
+    Kernel { accumulate: kernel::accumulate, to_monomials: kernel::to_monomials, classify: kernel::classify };
+
+/// The fastest kernel that this processor can run.
+pub fn kernel() -> Kernel {
     #[cfg(target_arch = "x86_64")]
-    {
-        if is_x86_feature_detected!("avx512f") {
-            return |blocks, nodes, inverse_radius| {
-                // SAFETY: this processor has AVX-512F.
-                unsafe { integral_avx512(blocks, nodes, inverse_radius) }
-            };
-        }
-        if is_x86_feature_detected!("avx2") {
-            return |blocks, nodes, inverse_radius| {
-                // SAFETY: this processor has AVX2.
-                unsafe { integral_avx2(blocks, nodes, inverse_radius) }
-            };
-        }
-    }
-    kernel::integral
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f")]
-fn integral_avx512(blocks: &[Block], nodes: &[f64; NODES], inverse_radius: f64) -> f64 {
-    kernel::integral(blocks, nodes, inverse_radius)
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
-fn integral_avx2(blocks: &[Block], nodes: &[f64; NODES], inverse_radius: f64) -> f64 {
-    kernel::integral(blocks, nodes, inverse_radius)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::volume_map::kernel::LANES;
-
-    #[test]
-    fn wide_kernel_has_the_bits_of_the_scalar_one() {
-        let value = |i: usize| ((i * 2654435761) % 1000) as f64 / 700.0 - 0.3;
-        let block = |b: usize| Block {
-            shape: std::array::from_fn(|a| std::array::from_fn(|lane| value(b * 999 + a * LANES + lane))),
-            weights: std::array::from_fn(|lane| value(b + 31 * lane)),
+    if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
+        // SAFETY: this processor has AVX2 and FMA.
+        return Kernel {
+            accumulate: |groups, window, first, sums| unsafe { accumulate(groups, window, first, sums) },
+            to_monomials: |window| unsafe { to_monomials(window) },
+            classify: |window| unsafe { classify(window) },
         };
-        for count in 0..5 {
-            let blocks: Vec<Block> = (0..count).map(block).collect();
-            let nodes = std::array::from_fn(|a| 0.1 * value(7 * a + count));
-            let wide = integral()(&blocks, &nodes, 1.7);
-            assert_eq!(wide.to_bits(), kernel::integral(&blocks, &nodes, 1.7).to_bits());
-        }
     }
+    PORTABLE
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma")]
+fn accumulate(groups: &[Group], window: &Window, first: i32, sums: &mut [f64]) {
+    kernel::accumulate(groups, window, first, sums)
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma")]
+fn to_monomials(window: &mut Window) {
+    kernel::to_monomials(window)
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma")]
+fn classify(window: &mut Window) {
+    kernel::classify(window)
 }

@@ -1,114 +1,164 @@
 //! Eq. 12 of Bender et al. 2020 at all nodes of a grid.
 //!
 //! On a regular lattice, the cell and the local coordinates of (node + quadrature point) depend only on the class
-//! of the node: corner, or one of the two thirds of an edge along x, y or z; 7 classes. So the 32 shape values of a
-//! (class, point) are computed once. The points of a class are grouped by the cell, relative to the node's, that
-//! they fall into; sampling Phi for a row of nodes is then, for each group, a product of
-//! [points of the group x 32] shape values with [32 x cells of the row] node values. Cells in which gamma* is known
-//! to be 0 or 1 everywhere need no product.
+//! of the node: corner, or one of the two thirds of an edge along x, y or z; 7 classes. So the points of a class are
+//! laid out once: by the row of cells, relative to the node's, that they fall into, by cell, and in it by planes and
+//! lines. The nodes of a row are then worked on together: for each row of cells within reach, its polynomials are laid
+//! side by side in a [`Window`], which serves all classes. Cells in which gamma* is 0 or 1 everywhere need no work.
 
-use super::bounds::{Bounds, Content};
-use super::dispatch::{self, Integral};
-use super::kernel::{Block, LANES};
+use super::dispatch::{self, Kernel};
+use super::kernel::{self, Content, Group, Window};
 use super::quadrature::Point;
-use crate::rows::{NodeRow, fill_rows};
+use super::window::{FieldWindows, contents};
+use crate::rows::{NodeRow, RowCluster, fill_clusters};
 use crate::sdf::field::DistanceField;
 use glam::{DVec3, IVec3, UVec3};
-use volmap_runtime::serendipity::{NODES, shape};
-use volmap_runtime::{Cell, Family, Nodes};
+use volmap_runtime::{Family, Nodes};
 
-/// The quadrature points of one class that fall into one cell.
-struct Group {
-    /// The cell, from the node's lattice point.
-    cell: IVec3,
-    /// Shape values and weights of its points.
-    blocks: Vec<Block>,
-    /// Sum of the weights.
-    total: f64,
+/// The points of all classes that fall into one row of cells.
+struct RowOfCells {
+    /// The row, from the node's.
+    y: i32,
+    z: i32,
+    /// Lowest and highest step along x of any group.
+    steps: [i32; 2],
+    /// Per family and node of a lattice point, the groups.
+    classes: [Vec<Vec<Group>>; 4],
 }
 
 /// A rule laid out on a lattice of cells.
 pub struct LatticeRule {
-    /// Per family, per node of a lattice point.
-    classes: [Vec<Vec<Group>>; 4],
+    rows: Vec<RowOfCells>,
     radius: f64,
-    integral: Integral,
+    kernel: Kernel,
+}
+
+/// What a thread reuses from row to row.
+#[derive(Default)]
+struct Scratch {
+    window: Window,
+    /// Per node row and node of a lattice point, the sums so far.
+    sums: Vec<Vec<f64>>,
 }
 
 impl LatticeRule {
     /// Lays the rule's points (of the unit ball) out on cells of the given size; metres.
     pub fn new(points: &[Point], radius: f64, cell_size: DVec3) -> LatticeRule {
-        let class = |family: Family, t: u32| groups(points, radius / cell_size, family.offset(t));
-        let classes = Family::ALL
-            .map(|family| (0..family.nodes_per_point()).map(|t| class(family, t)).collect::<Vec<_>>());
-        LatticeRule { classes, radius, integral: dispatch::integral() }
+        LatticeRule { rows: rows(points, radius / cell_size), radius, kernel: dispatch::kernel() }
+    }
+
+    /// The same with the portable kernel, which is slow without multiply-adds in the processor's baseline.
+    pub fn portable(self) -> LatticeRule {
+        LatticeRule { kernel: dispatch::PORTABLE, ..self }
     }
 
     /// Boundary volume at every node, m^3. The nodes' lattice lies `shift` cells inside the field's grid.
     pub fn volumes(&self, field: &DistanceField, nodes: &Nodes, shift: UVec3) -> Vec<f64> {
-        let contents = Bounds::new().contents(field, self.radius);
-        fill_rows(nodes, |row, out| {
-            let per_point = row.family.nodes_per_point() as usize;
-            for (t, class) in self.classes[row.family as usize].iter().enumerate() {
-                let sums = out.iter_mut().skip(t).step_by(per_point);
-                self.row((field, &contents), class, row, shift, sums);
-            }
-        })
+        let contents = contents(field, self.radius, &self.kernel);
+        let windows = FieldWindows { field, contents: &contents, inverse_radius: 1.0 / self.radius, shift };
+        fill_clusters(nodes, Scratch::default, |scratch, cluster| self.cluster(&windows, scratch, cluster))
     }
 
-    fn row<'a>(
-        &self,
-        (field, contents): (&DistanceField, &[Content]),
-        class: &[Group],
-        row: NodeRow,
-        shift: UVec3,
-        out: impl Iterator<Item = &'a mut f64>,
-    ) {
-        let at = |node: u32, shift: u32, step: i32| i64::from(node) + i64::from(shift) + i64::from(step);
-        let mut sums = vec![0.0; (row.end - row.first) as usize];
-        for group in class {
-            let (j, k) = (at(row.j, shift.y, group.cell.y), at(row.k, shift.z, group.cell.z));
-            for (sum, i) in sums.iter_mut().zip(row.first..) {
-                *sum += match field.cell(at(i, shift.x, group.cell.x), j, k) {
-                    Cell::Fluid => 0.0,
-                    Cell::Solid => group.total,
-                    Cell::Band(numbers) if contents[numbers.cell()] == Content::Zero => 0.0,
-                    Cell::Band(numbers) if contents[numbers.cell()] == Content::One => group.total,
-                    Cell::Band(numbers) => {
-                        let nodes = numbers.all().map(|number| field.values[number as usize]);
-                        (self.integral)(&group.blocks, &nodes, 1.0 / self.radius)
-                    }
-                };
+    fn cluster(&self, windows: &FieldWindows, scratch: &mut Scratch, cluster: &mut RowCluster) {
+        let places = sum_places(cluster);
+        scratch.sums.resize_with(scratch.sums.len().max(places.len()), Vec::new);
+        for (sums, (row, _)) in scratch.sums.iter_mut().zip(&places) {
+            sums.clear();
+            sums.resize(((row.end - row.first) as usize).next_multiple_of(kernel::LANES), 0.0);
+        }
+        for cells in &self.rows {
+            let first = i64::from(cluster.first) + i64::from(cells.steps[0]);
+            let width = (cluster.end - cluster.first) as usize + (cells.steps[1] - cells.steps[0]) as usize;
+            let at = [i64::from(cluster.j) + i64::from(cells.y), i64::from(cluster.k) + i64::from(cells.z)];
+            let uniform = windows.contents(first, at, width + kernel::LANES, &mut scratch.window);
+            match uniform {
+                Some(Content::Zero) => continue,
+                Some(_) => {}
+                None => windows.polynomials(first, at, &mut scratch.window, &self.kernel),
+            }
+            for (sums, &(row, t)) in scratch.sums.iter_mut().zip(&places) {
+                let groups = &cells.classes[row.family as usize][t];
+                let column = (row.first - cluster.first) as i32 - cells.steps[0];
+                (self.kernel.accumulate)(groups, &scratch.window, column, sums);
             }
         }
+        self.write(scratch, cluster);
+    }
+
+    fn write(&self, scratch: &Scratch, cluster: &mut RowCluster) {
         let cube = self.radius.powi(3);
-        out.zip(sums).for_each(|(value, sum)| *value = cube * sum);
+        let mut sums = scratch.sums.iter();
+        for (row, out) in &mut cluster.rows {
+            let per_point = row.family.nodes_per_point() as usize;
+            for (t, sums) in sums.by_ref().take(per_point).enumerate() {
+                let own = out.iter_mut().skip(t).step_by(per_point);
+                own.zip(sums).for_each(|(value, sum)| *value = cube * sum);
+            }
+        }
     }
 }
 
-/// Groups the points around a node at `offset` (in cells) from its lattice point by the cell they fall into.
-fn groups(points: &[Point], scale: DVec3, offset: DVec3) -> Vec<Group> {
-    let place = |point: &Point| {
-        let u = offset + scale * point.position;
-        (u.floor().as_ivec3(), (u - u.floor()) * 2.0 - DVec3::ONE, point.weight)
-    };
-    let mut placed: Vec<(IVec3, DVec3, f64)> = points.iter().map(place).collect();
-    // Stable: the order of the sum is that of the rule, on every machine.
-    placed.sort_by_key(|(cell, ..)| (cell.z, cell.y, cell.x));
-    let group = |members: &[(IVec3, DVec3, f64)]| Group {
-        cell: members[0].0,
-        blocks: members.chunks(LANES).map(block).collect(),
-        total: members.iter().map(|(.., weight)| weight).sum(),
-    };
-    placed.chunk_by(|a, b| a.0 == b.0).map(group).collect()
+/// The rows of nodes of a cluster, once per node of a lattice point.
+fn sum_places(cluster: &RowCluster) -> Vec<(NodeRow, usize)> {
+    let thirds = |row: NodeRow| (0..row.family.nodes_per_point() as usize).map(move |t| (row, t));
+    cluster.rows.iter().flat_map(|(row, _)| thirds(*row)).collect()
 }
 
-fn block(members: &[(IVec3, DVec3, f64)]) -> Block {
-    let mut block = Block { shape: [[0.0; LANES]; NODES], weights: [0.0; LANES] };
-    for (lane, (_, xi, weight)) in members.iter().enumerate() {
-        let shapes = shape(*xi);
-        (0..NODES).for_each(|a| block.shape[a][lane] = shapes[a]);
-        block.weights[lane] = *weight;
+/// A point of the rule, seen from a node of some class.
+#[derive(Clone, Copy)]
+struct Placed {
+    family: Family,
+    t: u32,
+    cell: IVec3,
+    xi: DVec3,
+    weight: f64,
+}
+
+/// All points of all classes, by the row of cells that they fall into.
+fn rows(points: &[Point], scale: DVec3) -> Vec<RowOfCells> {
+    let classes =
+        Family::ALL.into_iter().flat_map(|family| (0..family.nodes_per_point()).map(move |t| (family, t)));
+    let place = |(family, t): (Family, u32)| {
+        points.iter().map(move |point| {
+            let u = family.offset(t) + scale * point.position;
+            let cell = u.floor();
+            let xi = (u - cell) * 2.0 - DVec3::ONE;
+            Placed { family, t, cell: cell.as_ivec3(), xi, weight: point.weight }
+        })
+    };
+    let mut placed: Vec<Placed> = classes.flat_map(place).collect();
+    // Stable and total: the order of the sum is the same on every machine.
+    placed.sort_by(|a, b| {
+        let row = |p: &Placed| (p.cell.z, p.cell.y, p.family as u32, p.t, p.cell.x);
+        let inside =
+            a.xi.y.total_cmp(&b.xi.y).then(a.xi.z.total_cmp(&b.xi.z)).then(a.xi.x.total_cmp(&b.xi.x));
+        row(a).cmp(&row(b)).then(inside)
+    });
+    placed.chunk_by(|a, b| (a.cell.y, a.cell.z) == (b.cell.y, b.cell.z)).map(row_of_cells).collect()
+}
+
+fn row_of_cells(members: &[Placed]) -> RowOfCells {
+    let steps = || members.iter().map(|p| p.cell.x);
+    let mut classes = Family::ALL.map(|family| vec![Vec::new(); family.nodes_per_point() as usize]);
+    for own in members.chunk_by(|a, b| (a.family, a.t, a.cell.x) == (b.family, b.t, b.cell.x)) {
+        classes[own[0].family as usize][own[0].t as usize].push(group(own));
     }
-    block
+    RowOfCells {
+        y: members[0].cell.y,
+        z: members[0].cell.z,
+        steps: [steps().min().unwrap_or(0), steps().max().unwrap_or(0)],
+        classes,
+    }
+}
+
+fn group(members: &[Placed]) -> Group {
+    let mut group = Group { step: members[0].cell.x, ..Group::default() };
+    for plane in members.chunk_by(|a, b| a.xi.y == b.xi.y) {
+        let lines = plane.chunk_by(|a, b| a.xi.z == b.xi.z);
+        group.planes.push((plane[0].xi.y, lines.clone().count() as u32));
+        group.lines.extend(lines.map(|line| (line[0].xi.z, line.len() as u32)));
+        group.points.extend(plane.iter().map(|p| [p.xi.x, p.weight]));
+    }
+    group.total = kernel::total(&group);
+    group
 }

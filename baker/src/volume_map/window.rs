@@ -1,0 +1,162 @@
+//! Rows of cells laid side by side: what gamma* is in each, and the polynomials of s = 1 - Phi / r.
+
+use super::dispatch::Kernel;
+use super::kernel::{Content, LANES, Window};
+use crate::sdf::field::DistanceField;
+use glam::UVec3;
+use rayon::prelude::*;
+use std::ops::Range;
+use volmap_formats::asset::Exterior;
+use volmap_runtime::serendipity::NODES;
+use volmap_runtime::{Cell, NodeNumbers};
+
+/// Rows of cells of a field.
+pub struct FieldWindows<'a> {
+    /// Phi.
+    pub field: &'a DistanceField,
+    /// By number of the stored cells.
+    pub contents: &'a [u8],
+    /// 1 / r, in 1/m.
+    pub inverse_radius: f64,
+    /// Cells of the field's grid before that of the nodes.
+    pub shift: UVec3,
+}
+
+/// Cells that are classified together.
+const CHUNK: usize = 64;
+
+/// What gamma* is in every stored cell of the field, by the cell's number.
+pub fn contents(field: &DistanceField, radius: f64, kernel: &Kernel) -> Vec<u8> {
+    let cells: Vec<NodeNumbers> = field.cells.stored().collect();
+    let mut out = vec![Content::Mixed as u8; cells.len()];
+    let chunks = out.par_chunks_mut(CHUNK).zip(cells.par_chunks(CHUNK));
+    chunks.for_each_init(Window::default, |window, (out, cells)| {
+        window.reset(cells.len());
+        for (column, numbers) in cells.iter().enumerate() {
+            window.set_cells(column, 1, numbers, &field.values, 1.0 / radius);
+        }
+        (kernel.to_monomials)(window);
+        (kernel.classify)(window);
+        out.copy_from_slice(&window.contents[..cells.len()]);
+    });
+    out
+}
+
+impl FieldWindows<'_> {
+    /// Sets the contents of `width` cells from `first` along x, in row (y, z); cells of the nodes' lattice. Returns
+    /// what all of them hold, if that is one thing.
+    pub fn contents(&self, first: i64, row: [i64; 2], width: usize, window: &mut Window) -> Option<Content> {
+        window.reset(width);
+        window.contents.fill(self.elsewhere(row));
+        self.runs(first, row, width, |columns, cell| {
+            let own = &mut window.contents[columns];
+            match cell {
+                Cell::Band(numbers) => own.copy_from_slice(&self.contents[numbers.cell()..][..own.len()]),
+                Cell::Solid => own.fill(Content::One as u8),
+                Cell::Fluid => own.fill(Content::Zero as u8),
+            }
+        });
+        self.fill_outside(first, row, window);
+        let first = window.contents[0];
+        match window.contents.iter().all(|content| *content == first) {
+            true if first == Content::Zero as u8 => Some(Content::Zero),
+            true if first == Content::One as u8 => Some(Content::One),
+            _ => None,
+        }
+    }
+
+    /// Sets the polynomials of a window whose contents are set.
+    pub fn polynomials(&self, first: i64, row: [i64; 2], window: &mut Window, kernel: &Kernel) {
+        window.values.clear();
+        window.values.resize(NODES * window.stride, 0.0);
+        for column in 0..window.stride {
+            if window.contents[column] == Content::One as u8 {
+                (0..NODES).for_each(|a| window.values[a * window.stride + column] = 1.0);
+            }
+        }
+        self.runs(first, row, window.stride, |columns, cell| {
+            if let Cell::Band(numbers) = cell {
+                let length = columns.len();
+                window.set_cells(columns.start, length, &numbers, &self.field.values, self.inverse_radius);
+            }
+        });
+        (kernel.to_monomials)(window);
+    }
+
+    /// What cells hold that no run mentions: fluid in the grid, and beyond it what the exterior is.
+    fn elsewhere(&self, row: [i64; 2]) -> u8 {
+        let inside = self.row_in_grid(row).is_some();
+        match self.field.exterior {
+            Exterior::Solid if !inside => Content::One as u8,
+            _ => Content::Zero as u8,
+        }
+    }
+
+    /// Columns before and behind the grid.
+    fn fill_outside(&self, first: i64, row: [i64; 2], window: &mut Window) {
+        if self.field.exterior == Exterior::Fluid || self.row_in_grid(row).is_none() {
+            return;
+        }
+        let (begin, end) = (-self.from(first), i64::from(self.field.grid.resolution.x) - self.from(first));
+        let columns = window.contents.len() as i64;
+        let solid = Content::One as u8;
+        window.contents[..begin.clamp(0, columns) as usize].fill(solid);
+        window.contents[end.clamp(0, columns) as usize..].fill(solid);
+    }
+
+    fn from(&self, first: i64) -> i64 {
+        first + i64::from(self.shift.x)
+    }
+
+    fn row_in_grid(&self, [y, z]: [i64; 2]) -> Option<[u32; 2]> {
+        let (y, z) = (y + i64::from(self.shift.y), z + i64::from(self.shift.z));
+        let n = self.field.grid.resolution;
+        let inside = (0..i64::from(n.y)).contains(&y) && (0..i64::from(n.z)).contains(&z);
+        inside.then_some([y as u32, z as u32])
+    }
+
+    /// Calls `visit` for the runs of a row that lie in the window, with their columns and the first cell's content.
+    fn runs(&self, first: i64, row: [i64; 2], width: usize, mut visit: impl FnMut(Range<usize>, Cell)) {
+        let Some([y, z]) = self.row_in_grid(row) else { return };
+        let from = self.from(first);
+        let end = from + width as i64;
+        for (cells, cell) in self.field.cells.runs_from(from.max(0) as u32, y, z) {
+            if i64::from(cells.start) >= end {
+                break;
+            }
+            let begin = i64::from(cells.start).max(from);
+            let stop = i64::from(cells.end).min(end);
+            let cell = match cell {
+                Cell::Band(numbers) => Cell::Band(numbers.along((begin - i64::from(cells.start)) as u32)),
+                other => other,
+            };
+            visit((begin - from) as usize..(stop - from) as usize, cell);
+        }
+    }
+}
+
+impl Window {
+    /// Makes room for `width` cells.
+    fn reset(&mut self, width: usize) {
+        self.stride = width.next_multiple_of(LANES);
+        self.contents.clear();
+        self.contents.resize(self.stride, Content::Zero as u8);
+        self.values.resize(NODES * self.stride, 0.0);
+    }
+
+    /// Sets s at the nodes of consecutive cells of a run, of which `numbers` is the first.
+    fn set_cells(
+        &mut self,
+        column: usize,
+        count: usize,
+        numbers: &NodeNumbers,
+        phi: &[f64],
+        inverse_radius: f64,
+    ) {
+        for (a, (number, step)) in numbers.places().into_iter().enumerate() {
+            let own = &mut self.values[a * self.stride + column..][..count];
+            let phi = phi[number as usize..].iter().step_by(step as usize);
+            own.iter_mut().zip(phi).for_each(|(s, phi)| *s = 1.0 - phi * inverse_radius);
+        }
+    }
+}
