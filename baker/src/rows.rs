@@ -30,10 +30,16 @@ impl NodeRow {
     }
 }
 
-/// Calls `fill` for every row with the slice of values of its nodes, on all threads.
-pub fn fill_rows(nodes: &Nodes, fill: impl Fn(NodeRow, &mut [f64]) + Sync) -> Vec<f64> {
+/// Calls `fill` for every row with the slice of values of its nodes, on all threads. Neighbouring rows often share
+/// what `init` makes, which must change no value.
+pub fn fill_rows<S>(
+    nodes: &Nodes,
+    init: impl Fn() -> S + Sync + Send,
+    fill: impl Fn(&mut S, NodeRow, &mut [f64]) + Sync + Send,
+) -> Vec<f64> {
     let mut values = vec![0.0; nodes.count()];
-    rows_of(nodes, &mut values).into_par_iter().for_each(|(row, own)| fill(row, own));
+    let rows = rows_of(nodes, &mut values).into_par_iter();
+    rows.for_each_init(init, |state, (row, own)| fill(state, row, own));
     values
 }
 

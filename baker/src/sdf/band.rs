@@ -5,6 +5,7 @@
 //! that this decides are left whole, the others are split, so the work grows with the band and not with the box.
 
 use super::boundary_distance::SignedDistance;
+use super::mesh_distance::KnownDistance;
 use glam::{DVec3, UVec3};
 use rayon::prelude::*;
 use volmap_formats::asset::CellRun;
@@ -35,7 +36,7 @@ const REFINEMENTS: u32 = 2;
 /// doesn't change its sign.
 pub fn find_band(grid: &Grid, width: f64, phi: &impl SignedDistance) -> BandCells {
     let search = Search { grid, width, phi };
-    let found = search.block(UVec3::ZERO, grid.resolution);
+    let found = search.block(UVec3::ZERO, grid.resolution, None);
     BandCells { band: joined(found.band), solid: joined(found.solid) }
 }
 
@@ -46,11 +47,11 @@ struct Search<'a, D> {
 }
 
 impl<D: SignedDistance> Search<'_, D> {
-    fn block(&self, low: UVec3, high: UVec3) -> BandCells {
+    fn block(&self, low: UVec3, high: UVec3, mut known: Option<KnownDistance>) -> BandCells {
         let mut cells = BandCells::default();
         let (corner, opposite) = (self.grid.cell_corner(low), self.grid.cell_corner(high));
         let center = 0.5 * (corner + opposite);
-        let distance = self.phi.at(center);
+        let distance = self.phi.near(center, &mut known);
         // Rounding of the corners must not hide a touching cell.
         let reach = 0.5 * (opposite - corner).length() * (1.0 + 1e-9);
         if distance.abs() - reach > self.width {
@@ -58,7 +59,7 @@ impl<D: SignedDistance> Search<'_, D> {
                 push_box(low, high, &mut cells.solid);
             }
         } else if high - low == UVec3::ONE {
-            if self.touches(center, 0.5 * (opposite - corner), distance, REFINEMENTS) {
+            if self.touches(center, 0.5 * (opposite - corner), (distance, known), REFINEMENTS) {
                 push_box(low, high, &mut cells.band);
             } else if distance < 0.0 {
                 push_box(low, high, &mut cells.solid);
@@ -66,8 +67,8 @@ impl<D: SignedDistance> Search<'_, D> {
         } else {
             let parts = octants(low, high);
             let found: Vec<BandCells> = match (high - low).max_element() > TASK_CELLS {
-                true => parts.into_par_iter().map(|(low, high)| self.block(low, high)).collect(),
-                false => parts.into_iter().map(|(low, high)| self.block(low, high)).collect(),
+                true => parts.into_par_iter().map(|(low, high)| self.block(low, high, known)).collect(),
+                false => parts.into_iter().map(|(low, high)| self.block(low, high, known)).collect(),
             };
             for part in found {
                 cells.band.extend(part.band);
@@ -78,7 +79,13 @@ impl<D: SignedDistance> Search<'_, D> {
     }
 
     /// Whether a box (centre, half size) has a point in the band; `distance` is Phi at the centre.
-    fn touches(&self, center: DVec3, half: DVec3, distance: f64, refinements: u32) -> bool {
+    fn touches(
+        &self,
+        center: DVec3,
+        half: DVec3,
+        (distance, known): (f64, Option<KnownDistance>),
+        refinements: u32,
+    ) -> bool {
         if distance.abs() <= self.width {
             return true;
         }
@@ -91,7 +98,9 @@ impl<D: SignedDistance> Search<'_, D> {
         (0..8).any(|octant| {
             let side = |axis: u32| if octant >> axis & 1 == 0 { -0.5 } else { 0.5 };
             let part = center + half * DVec3::new(side(0), side(1), side(2));
-            self.touches(part, 0.5 * half, self.phi.at(part), refinements - 1)
+            let mut known = known;
+            let distance = self.phi.near(part, &mut known);
+            self.touches(part, 0.5 * half, (distance, known), refinements - 1)
         })
     }
 }

@@ -3,19 +3,19 @@
 use super::mesh_distance::{KnownDistance, MeshDistance};
 use glam::DVec3;
 
-/// A signed distance that can be sampled: at any point, or faster along a row of points.
+/// A signed distance that can be sampled.
 pub trait SignedDistance: Sync {
     /// Phi at a point, metres, negative inside the solid.
-    fn at(&self, point: DVec3) -> f64;
-
-    /// Phi at points that follow each other closely.
-    fn along(&self, points: impl Iterator<Item = DVec3>, out: &mut [f64]) {
-        out.iter_mut().zip(points).for_each(|(value, point)| *value = self.at(point));
+    fn at(&self, point: DVec3) -> f64 {
+        self.near(point, &mut None)
     }
+
+    /// Phi at a point. What is `known` of another point may make it faster, and becomes what is known of this one.
+    fn near(&self, point: DVec3, known: &mut Option<KnownDistance>) -> f64;
 }
 
 impl<F: Fn(DVec3) -> f64 + Sync> SignedDistance for F {
-    fn at(&self, point: DVec3) -> f64 {
+    fn near(&self, point: DVec3, _: &mut Option<KnownDistance>) -> f64 {
         self(point)
     }
 }
@@ -31,26 +31,14 @@ pub struct BoundaryDistance {
     pub thickness: f64,
 }
 
-impl BoundaryDistance {
-    fn boundary(&self, to_mesh: f64) -> f64 {
-        (if self.invert { -to_mesh } else { to_mesh }) - self.thickness
-    }
-}
-
 impl SignedDistance for BoundaryDistance {
-    fn at(&self, point: DVec3) -> f64 {
-        self.boundary(self.mesh.signed_distance(point))
-    }
-
-    fn along(&self, points: impl Iterator<Item = DVec3>, out: &mut [f64]) {
-        let mut known: Option<KnownDistance> = None;
-        for (value, point) in out.iter_mut().zip(points) {
-            let signed_distance = match &known {
-                Some(known) => self.mesh.signed_distance_near(point, known),
-                None => self.mesh.signed_distance(point),
-            };
-            known = Some(KnownDistance { point, signed_distance });
-            *value = self.boundary(signed_distance);
-        }
+    fn near(&self, point: DVec3, known: &mut Option<KnownDistance>) -> f64 {
+        let found = match known {
+            Some(near) => self.mesh.known_near(point, near),
+            None => self.mesh.known(point),
+        };
+        *known = Some(found);
+        let to_mesh = found.signed_distance;
+        (if self.invert { -to_mesh } else { to_mesh }) - self.thickness
     }
 }

@@ -30,6 +30,19 @@ pub struct KnownDistance {
     pub point: DVec3,
     /// Its distance, negative inside.
     pub signed_distance: f64,
+    /// The point of the mesh that is closest to it.
+    pub surface: DVec3,
+}
+
+impl KnownDistance {
+    fn new(point: DVec3, closest: &Closest, inside: bool) -> KnownDistance {
+        let distance = closest.distance_squared.sqrt();
+        KnownDistance {
+            point,
+            signed_distance: if inside { -distance } else { distance },
+            surface: closest.point,
+        }
+    }
 }
 
 impl MeshDistance {
@@ -86,24 +99,27 @@ impl MeshDistance {
 
     /// Distance to the mesh, negative inside.
     pub fn signed_distance(&self, p: DVec3) -> f64 {
-        let closest = self.closest(p);
-        let distance = closest.distance_squared.sqrt();
-        if self.inside(p, &closest) { -distance } else { distance }
+        self.known(p).signed_distance
     }
 
-    /// `signed_distance`, faster where it is `known` at a point not far away. Distance changes by no more
-    /// than the way between the points; and where that is shorter than the distance itself, there is no
-    /// surface between them, so that a mesh with integer winding numbers has one side there. The result
-    /// is the same whatever is known.
-    pub fn signed_distance_near(&self, p: DVec3, known: &KnownDistance) -> f64 {
-        let way = p.distance(known.point);
-        let known_distance = known.signed_distance.abs();
-        let closest = self.closest_within(p, known_distance + way);
-        let distance = closest.distance_squared.sqrt();
+    /// Distance, side and closest point.
+    pub fn known(&self, p: DVec3) -> KnownDistance {
+        let closest = self.closest(p);
+        let inside = self.inside(p, &closest);
+        KnownDistance::new(p, &closest, inside)
+    }
+
+    /// `known`, faster where it is known at a point not far away: the mesh is no further than the point of it that
+    /// was closest there; and where the way is shorter than the distance, there is no surface between the points, so
+    /// that a mesh with integer winding numbers has one side there. The result is the same whatever is known.
+    pub fn known_near(&self, p: DVec3, near: &KnownDistance) -> KnownDistance {
+        let closest = self.closest_within(p, p.distance(near.surface));
         let carries = self.balanced && self.choice.method != SignMethod::Pseudonormal;
-        let same_side = carries && way < known_distance * (1.0 - 1e-9);
-        let inside = if same_side { known.signed_distance < 0.0 } else { self.inside(p, &closest) };
-        if inside { -distance } else { distance }
+        // The larger of the two distances tells.
+        let clear = near.signed_distance.abs().max(closest.distance_squared.sqrt()) * (1.0 - 1e-9);
+        let same_side = carries && p.distance(near.point) < clear;
+        let inside = if same_side { near.signed_distance < 0.0 } else { self.inside(p, &closest) };
+        KnownDistance::new(p, &closest, inside)
     }
 
     /// -1 inside, 1 outside.

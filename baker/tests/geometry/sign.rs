@@ -3,7 +3,7 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 use volmap_baker::mesh::{diagnose, orient};
 use volmap_baker::sdf::{
-    Feature, KnownDistance, MeshDistance, SignMethod, choose_sign, compare_signs, points_near_surface,
+    Feature, MeshDistance, SignMethod, choose_sign, compare_signs, points_near_surface,
 };
 use volmap_formats::mesh::TriangleMesh;
 
@@ -191,14 +191,13 @@ fn known_distances_change_nothing() {
         let distance = with_method(&mesh, SignMethod::Auto);
         let mut random = Random(6);
         let mut point = DVec3::splat(-1.5);
-        let mut signed_distance = distance.signed_distance(point);
+        let mut known = distance.known(point);
         for k in 0..3_000 {
             let step = [0.01, 0.1, 1.0][k % 3];
             let next = random.point(DVec3::splat(-step), DVec3::splat(step)) + point * 0.97;
-            let known = KnownDistance { point, signed_distance };
-            let found = distance.signed_distance_near(next, &known);
-            assert_eq!(found, distance.signed_distance(next), "{next}");
-            (point, signed_distance) = (next, found);
+            let found = distance.known_near(next, &known);
+            assert_eq!(found, distance.known(next), "{next}");
+            (point, known) = (next, found);
         }
     }
 }
