@@ -14,6 +14,7 @@ mod coarse_block;
 pub mod field;
 pub mod leaks;
 pub mod mesh_distance;
+mod oriented_box;
 pub mod pseudonormal;
 pub mod sign;
 pub mod winding;

@@ -1,10 +1,10 @@
 //! Bounding volume hierarchy over triangles, for the closest triangle.
 //!
-//! Four children a node, their boxes side by side in single precision, so that one node is two cache
+//! Four children a node, their boxes side by side in single precision, so that one node is four cache
 //! lines and one SIMD test (Dammertz, Hanika and Keller 2008, "Shallow bounding volume hierarchies for
-//! fast SIMD ray tracing of incoherent rays"); four triangles a leaf, side by side in double
-//! precision. Boxes are rounded outwards and the search radius upwards, so that single precision costs
-//! a few visits, never a wrong answer.
+//! fast SIMD ray tracing of incoherent rays"); the boxes are turned along the surface (`oriented_box`); four triangles a
+//! leaf, side by side in double precision. Boxes are rounded outwards and the search radius upwards, so that single
+//! precision costs a few visits, never a wrong answer.
 
 use glam::DVec3;
 use wide::f32x4;
@@ -12,6 +12,7 @@ use wide::f32x4;
 use crate::sdf::bvh_build;
 use crate::sdf::closest_point::TriangleBlock;
 use crate::sdf::coarse_block::CoarseBlock;
+use crate::sdf::oriented_box::Boxes;
 
 /// Marks a child that is a leaf; the other bits are the index of its block.
 pub(crate) const LEAF: u32 = 1 << 31;
@@ -20,13 +21,12 @@ pub(crate) const MAX_DEPTH: usize = 40;
 /// Beyond this distance, in sizes of the mesh, boxes in single precision tell nothing any more.
 const FAR: f32 = 1e12;
 
-/// Four children: boxes in the frame of the tree, and where they are.
+/// Four children: their boxes, and where they are.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
 pub(crate) struct Node {
-    pub lower: [f32x4; 3],
-    pub upper: [f32x4; 3],
-    /// Index of a node, or of a block with `LEAF`. An empty child has a box from +inf to -inf.
+    pub boxes: Boxes,
+    /// Index of a node, or of a block with `LEAF`, or `NO_CHILD`.
     pub child: [u32; 4],
 }
 
@@ -39,6 +39,8 @@ pub struct Bvh {
     pub(crate) coarse: Vec<CoarseBlock>,
     /// Index in the mesh of each block's triangles.
     pub(crate) ids: Vec<[u32; 4]>,
+    /// For each node and child, the blocks below it, first and past the last; both 0 where there is no child.
+    pub(crate) ranges: Vec<[(u32, u32); 4]>,
     pub(crate) frame: Frame,
 }
 
@@ -102,7 +104,7 @@ impl Bvh {
                 continue;
             }
             let node = &self.nodes[child as usize];
-            let distance = box_distance_squared(node, &local);
+            let distance = node.boxes.distances_squared(&local);
             let keys = sorted_keys(distance.to_array(), node.child);
             let near = distance.simd_le(f32x4::splat(radius * radius)).to_bitmask().count_ones() as usize;
             for key in keys[..near].iter().rev() {
@@ -141,17 +143,6 @@ impl Bvh {
         }
         best
     }
-}
-
-#[inline(always)]
-fn box_distance_squared(node: &Node, p: &[f32x4; 3]) -> f32x4 {
-    let mut sum = f32x4::ZERO;
-    for (axis, &x) in p.iter().enumerate() {
-        let outside = (node.lower[axis] - x).fast_max(x - node.upper[axis]);
-        let outside = outside.fast_max(f32x4::ZERO);
-        sum += outside * outside;
-    }
-    sum
 }
 
 /// Keys of the four children, nearest first, by a sorting network.

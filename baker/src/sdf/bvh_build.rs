@@ -1,9 +1,10 @@
-//! Building the tree: top down, binned surface area heuristic.
+//! Building the tree: top down by the binned surface area heuristic, then boxes turned along the surface.
 //!
 //! Wald 2007, "On fast construction of SAH-based bounding volume hierarchies". For a closest-point
 //! query the heuristic is the same as for rays: the chance that the search sphere meets a box grows
-//! with the box's surface. Large parts are built in parallel and joined in order, so the tree doesn't
-//! depend on the number of threads.
+//! with the box's surface. One axis is binned, the widest of the centres; the boxes that it compares are aligned with
+//! the axes, and serve for this only (`oriented_box` makes those of the search). Large parts are built in parallel and
+//! joined in order, so the tree doesn't depend on the number of threads.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -12,6 +13,7 @@ use wide::f32x4;
 use crate::sdf::bvh::{Bvh, Frame, LEAF, MAX_DEPTH, Node};
 use crate::sdf::closest_point::TriangleBlock;
 use crate::sdf::coarse_block::CoarseBlock;
+use crate::sdf::oriented_box;
 
 const BINS: usize = 16;
 const LEAF_SIZE: usize = 4;
@@ -20,13 +22,12 @@ const PARALLEL_SIZE: usize = 1 << 14;
 /// From this level on parts are halved, which bounds the depth: 20 + log4(2^32) < MAX_DEPTH.
 const HALVING_DEPTH: usize = 20;
 
+/// Lowest and highest coordinates; the fourth lane means nothing.
 #[derive(Clone, Copy, Debug)]
 struct Bounds {
-    lower: [f32; 3],
-    upper: [f32; 3],
+    lower: f32x4,
+    upper: f32x4,
 }
-
-const EMPTY: Bounds = Bounds { lower: [f32::INFINITY; 3], upper: [f32::NEG_INFINITY; 3] };
 
 /// A triangle's box and its index.
 #[derive(Clone, Copy, Debug)]
@@ -35,22 +36,29 @@ struct Item {
     triangle: u32,
 }
 
-/// Nodes, and the sizes of the leaves below them; leaves lie in the order of the items.
+/// Triangles with their box and that of the boxes' centres.
+struct Part<'a> {
+    items: &'a mut [Item],
+    bounds: Bounds,
+    centres: Bounds,
+}
+
+/// Children of the nodes, and the sizes of the leaves below them; leaves lie in the order of the items.
 #[derive(Default)]
 struct Subtree {
-    nodes: Vec<Node>,
+    children: Vec<[u32; 4]>,
     leaf_sizes: Vec<u8>,
 }
+
+/// Instead of a child.
+pub(crate) const NO_CHILD: u32 = u32::MAX;
 
 pub(crate) fn build(triangles: &[[DVec3; 3]]) -> Bvh {
     assert!(!triangles.is_empty(), "a tree needs a triangle");
     let frame = frame_of(triangles);
-    let mut items: Vec<Item> = triangles
-        .iter()
-        .enumerate()
-        .map(|(i, triangle)| Item { bounds: local_bounds(triangle, &frame), triangle: i as u32 })
-        .collect();
-    let tree = build_node(&mut items, 0);
+    let item = |(i, triangle)| Item { bounds: local_bounds(triangle, &frame), triangle: i as u32 };
+    let mut items: Vec<Item> = triangles.par_iter().enumerate().map(item).collect();
+    let tree = build_node(Part::of(&mut items), 0);
     let mut rest = items.as_mut_slice();
     let leaves: Vec<&mut [Item]> = tree
         .leaf_sizes
@@ -60,7 +68,30 @@ pub(crate) fn build(triangles: &[[DVec3; 3]]) -> Bvh {
     let (blocks, ids): (Vec<TriangleBlock>, _) =
         leaves.into_par_iter().map(|leaf| block(leaf, triangles)).unzip();
     let coarse = blocks.par_iter().map(|block| CoarseBlock::new(block, &frame)).collect();
-    Bvh { nodes: tree.nodes, blocks, coarse, ids, frame }
+    let ranges = block_ranges(&tree.children);
+    let node = |(children, ranges): (&[u32; 4], &[(u32, u32); 4])| Node {
+        boxes: oriented_box::around(&blocks, ranges, &frame),
+        child: *children,
+    };
+    let nodes = tree.children.par_iter().zip(&ranges).map(node).collect();
+    Bvh { nodes, blocks, coarse, ids, ranges, frame }
+}
+
+/// For each node and child, the blocks below it, first and past the last; both 0 where there is no child. Nodes come
+/// before their children and blocks in the order of the children.
+fn block_ranges(children: &[[u32; 4]]) -> Vec<[(u32, u32); 4]> {
+    let mut ranges = vec![[(0, 0); 4]; children.len()];
+    for (index, children) in children.iter().enumerate().rev() {
+        for (slot, &child) in children.iter().enumerate().filter(|(_, child)| **child != NO_CHILD) {
+            ranges[index][slot] = if child & LEAF != 0 {
+                (child & !LEAF, (child & !LEAF) + 1)
+            } else {
+                let used = ranges[child as usize].iter().filter(|range| range.1 > 0);
+                used.fold((u32::MAX, 0), |all, range| (all.0.min(range.0), all.1.max(range.1)))
+            };
+        }
+    }
+    ranges
 }
 
 /// A leaf's triangles, in the order of the mesh.
@@ -87,49 +118,37 @@ fn frame_of(triangles: &[[DVec3; 3]]) -> Frame {
     Frame { centre: lower * 0.5 + upper * 0.5, scale: (-exponent).exp2() }
 }
 
-/// The triangle's box in the frame, rounded outwards.
 fn local_bounds(triangle: &[DVec3; 3], frame: &Frame) -> Bounds {
-    let mut bounds = EMPTY;
-    for corner in triangle {
-        let local = frame.local(*corner);
-        for (axis, x) in local.into_iter().enumerate() {
-            bounds.lower[axis] = bounds.lower[axis].min(x.next_down());
-            bounds.upper[axis] = bounds.upper[axis].max(x.next_up());
-        }
-    }
-    bounds
+    let [a, b, c] = triangle.map(|corner| {
+        let [x, y, z] = frame.local(corner);
+        f32x4::from([x, y, z, 0.0])
+    });
+    Bounds { lower: a.fast_min(b).fast_min(c), upper: a.fast_max(b).fast_max(c) }
 }
 
 /// A node over the items and all below it, the node first.
-fn build_node(items: &mut [Item], depth: usize) -> Subtree {
+fn build_node(part: Part, depth: usize) -> Subtree {
     assert!(depth < MAX_DEPTH, "the tree is deeper than its bound");
-    let count = items.len();
-    let parts = split_in_four(items, depth);
-    let mut tree = Subtree::default();
-    let mut node = Node {
-        lower: [f32x4::splat(f32::INFINITY); 3],
-        upper: [f32x4::splat(f32::NEG_INFINITY); 3],
-        child: [LEAF; 4],
+    let count = part.items.len();
+    let mut parts: Vec<Option<Part>> = split_in_four(part, depth).into_iter().map(Some).collect();
+    let mut tree = Subtree { children: vec![[NO_CHILD; 4]], leaf_sizes: Vec::new() };
+    let is_leaf = |part: &Option<Part>| part.as_ref().is_some_and(|part| part.items.len() <= LEAF_SIZE);
+    let leaf_sizes: Vec<Option<usize>> = parts
+        .iter()
+        .map(|part| is_leaf(part).then(|| part.as_ref().map_or(0, |part| part.items.len())))
+        .collect();
+    let build_part = |part: &mut Option<Part>| {
+        part.take_if(|part| part.items.len() > LEAF_SIZE).map(|part| build_node(part, depth + 1))
     };
-    for (i, part) in parts.iter().enumerate() {
-        let bounds = bounds_of(part);
-        for axis in 0..3 {
-            node.lower[axis].as_mut_array()[i] = bounds.lower[axis];
-            node.upper[axis].as_mut_array()[i] = bounds.upper[axis];
-        }
-    }
-    tree.nodes.push(node);
-    let build_part = |part: &mut &mut [Item]| (part.len() > LEAF_SIZE).then(|| build_node(part, depth + 1));
-    let mut parts = parts;
-    let children: Vec<Option<Subtree>> = if count > PARALLEL_SIZE {
+    let below: Vec<Option<Subtree>> = if count > PARALLEL_SIZE {
         parts.par_iter_mut().map(build_part).collect()
     } else {
         parts.iter_mut().map(build_part).collect()
     };
-    for (i, (part, child)) in parts.iter().zip(children).enumerate() {
-        tree.nodes[0].child[i] = match child {
-            Some(child) => tree.append(child),
-            None => tree.append_leaf(part.len()),
+    for (slot, (subtree, leaf_size)) in below.into_iter().zip(leaf_sizes).enumerate() {
+        tree.children[0][slot] = match subtree {
+            Some(subtree) => tree.append(subtree),
+            None => tree.append_leaf(leaf_size.unwrap_or(0)),
         };
     }
     tree
@@ -138,11 +157,11 @@ fn build_node(items: &mut [Item], depth: usize) -> Subtree {
 impl Subtree {
     /// Appends a subtree behind this one and returns where its root is now.
     fn append(&mut self, mut other: Subtree) -> u32 {
-        let (node_offset, block_offset) = (self.nodes.len() as u32, self.leaf_sizes.len() as u32);
-        for child in other.nodes.iter_mut().flat_map(|node| &mut node.child) {
+        let (node_offset, block_offset) = (self.children.len() as u32, self.leaf_sizes.len() as u32);
+        for child in other.children.iter_mut().flatten().filter(|child| **child != NO_CHILD) {
             *child += if *child & LEAF != 0 { block_offset } else { node_offset };
         }
-        self.nodes.append(&mut other.nodes);
+        self.children.append(&mut other.children);
         self.leaf_sizes.append(&mut other.leaf_sizes);
         node_offset
     }
@@ -154,87 +173,87 @@ impl Subtree {
 }
 
 /// Up to four parts: the part of the largest surface is split until there are four.
-fn split_in_four(items: &mut [Item], depth: usize) -> Vec<&mut [Item]> {
-    let mut parts = vec![items];
+fn split_in_four(part: Part, depth: usize) -> Vec<Part> {
+    let mut parts = vec![part];
     while parts.len() < 4 {
-        let splittable = (0..parts.len()).filter(|&i| parts[i].len() > LEAF_SIZE);
-        let surface = |i: usize| bounds_of(parts[i]).surface();
+        let splittable = (0..parts.len()).filter(|&i| parts[i].items.len() > LEAF_SIZE);
         let Some(widest) = splittable.max_by(|&i, &j| {
-            let by_count = parts[i].len().cmp(&parts[j].len());
+            let by_count = parts[i].items.len().cmp(&parts[j].items.len());
             match depth < HALVING_DEPTH {
-                true => surface(i).total_cmp(&surface(j)).then(by_count),
+                true => parts[i].bounds.surface().total_cmp(&parts[j].bounds.surface()).then(by_count),
                 false => by_count,
             }
         }) else {
             break;
         };
-        let part = parts.remove(widest);
-        let middle = split(part, depth);
-        let (left, right) = part.split_at_mut(middle);
+        let (left, right) = split(parts.remove(widest), depth);
         parts.insert(widest, right);
         parts.insert(widest, left);
     }
     parts
 }
 
-/// Reorders the items and returns where the second half starts.
-fn split(items: &mut [Item], depth: usize) -> usize {
-    let mut centres = EMPTY;
-    for item in items.iter() {
-        centres.grow_by_point(item.bounds.centre());
-    }
+/// Reorders the items and cuts them in two.
+fn split(part: Part, depth: usize) -> (Part, Part) {
+    let axis = part.centres.widest_axis();
     if depth < HALVING_DEPTH
-        && let Some((axis, bin)) = best_bin(items, &centres)
+        && let Some(binning) = Binning::new(&part.centres, axis)
+        && let Some(cut) = best_cut(part.items, &binning)
     {
-        let binning = Binning::new(&centres, axis);
-        let middle = partition(items, |item| binning.bin(item) < bin);
-        if middle > 0 && middle < items.len() {
-            return middle;
-        }
+        return part.cut(cut);
     }
-    let axis = centres.widest_axis();
-    let middle = items.len() / 2;
-    items.select_nth_unstable_by(middle, |a, b| {
-        let by_place = a.bounds.centre()[axis].total_cmp(&b.bounds.centre()[axis]);
-        by_place.then(a.triangle.cmp(&b.triangle))
+    let middle = part.items.len() / 2;
+    part.items.select_nth_unstable_by(middle, |a, b| {
+        let centre = |item: &Item| item.bounds.centre().as_array()[axis];
+        centre(a).total_cmp(&centre(b)).then(a.triangle.cmp(&b.triangle))
     });
-    middle
+    let (left, right) = part.items.split_at_mut(middle);
+    (Part::of(left), Part::of(right))
 }
 
-/// Axis and bin before which a split costs least; none where all centres coincide.
-fn best_bin(items: &[Item], centres: &Bounds) -> Option<(usize, usize)> {
-    let mut best = (f32::INFINITY, None);
-    for axis in 0..3 {
-        if centres.upper[axis] <= centres.lower[axis] {
-            continue;
-        }
-        let binning = Binning::new(centres, axis);
-        let mut bins = [(EMPTY, 0usize); BINS];
-        for item in items {
-            let bin = &mut bins[binning.bin(item)];
-            bin.0.grow(&item.bounds);
-            bin.1 += 1;
-        }
-        let from_left = sweep(bins.iter());
-        let from_right = sweep(bins.iter().rev());
-        for split in 1..BINS {
-            let cost = from_left[split - 1] + from_right[BINS - 1 - split];
-            if cost < best.0 {
-                best = (cost, Some((axis, split)));
-            }
-        }
+/// A way to cut a part: how many items are on the left once they are sorted, and the boxes of both sides.
+struct Cut {
+    left: usize,
+    /// Boxes of the items and of their centres, of the left and the right side.
+    bounds: [[Bounds; 2]; 2],
+}
+
+/// Sorts the items to the two sides of the bin boundary of least surface times blocks of four.
+fn best_cut(items: &mut [Item], binning: &Binning) -> Option<Cut> {
+    let mut bins = [(Bounds::EMPTY, Bounds::EMPTY, 0usize); BINS];
+    for item in items.iter() {
+        let bin = &mut bins[binning.bin(item)];
+        bin.0.grow(&item.bounds);
+        bin.1.grow_by_point(item.bounds.centre());
+        bin.2 += 1;
     }
-    best.1
+    let from_left = sweep(bins.iter());
+    let from_right = sweep(bins.iter().rev());
+    let costs = (1..BINS).map(|cut| (from_left[cut - 1] + from_right[BINS - 1 - cut], cut));
+    let (cost, cut) = costs.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    if !cost.is_finite() {
+        return None;
+    }
+    let side = |bins: &[(Bounds, Bounds, usize)]| {
+        let mut both = [Bounds::EMPTY; 2];
+        bins.iter().for_each(|bin| {
+            both[0].grow(&bin.0);
+            both[1].grow(&bin.1);
+        });
+        both
+    };
+    let bounds = [side(&bins[..cut]), side(&bins[cut..])];
+    Some(Cut { left: partition(items, |item| binning.bin(item) < cut), bounds })
 }
 
 /// Surface times blocks of four of the first 1, 2, ... bins.
-fn sweep<'a>(bins: impl Iterator<Item = &'a (Bounds, usize)>) -> [f32; BINS] {
+fn sweep<'a>(bins: impl Iterator<Item = &'a (Bounds, Bounds, usize)>) -> [f32; BINS] {
     let mut costs = [0.0; BINS];
-    let mut bounds = EMPTY;
+    let mut bounds = Bounds::EMPTY;
     let mut count = 0;
     for (cost, bin) in costs.iter_mut().zip(bins) {
         bounds.grow(&bin.0);
-        count += bin.1;
+        count += bin.2;
         // A side without triangles is no split.
         *cost = match count {
             0 => f32::INFINITY,
@@ -251,14 +270,16 @@ struct Binning {
 }
 
 impl Binning {
-    fn new(centres: &Bounds, axis: usize) -> Binning {
-        let width = centres.upper[axis] - centres.lower[axis];
-        Binning { axis, lower: centres.lower[axis], factor: BINS as f32 / width }
+    /// None where all centres are in one place.
+    fn new(centres: &Bounds, axis: usize) -> Option<Binning> {
+        let width = centres.width().as_array()[axis];
+        let factor = BINS as f32 / width;
+        factor.is_finite().then_some(Binning { axis, lower: centres.lower.as_array()[axis], factor })
     }
 
     #[inline]
     fn bin(&self, item: &Item) -> usize {
-        let centre = item.bounds.lower[self.axis] * 0.5 + item.bounds.upper[self.axis] * 0.5;
+        let centre = item.bounds.centre().as_array()[self.axis];
         (((centre - self.lower) * self.factor) as usize).min(BINS - 1)
     }
 }
@@ -275,42 +296,57 @@ fn partition(items: &mut [Item], belongs_left: impl Fn(&Item) -> bool) -> usize 
     left
 }
 
-fn bounds_of(items: &[Item]) -> Bounds {
-    let mut bounds = EMPTY;
-    for item in items {
-        bounds.grow(&item.bounds);
+impl<'a> Part<'a> {
+    fn of(items: &'a mut [Item]) -> Part<'a> {
+        let (mut bounds, mut centres) = (Bounds::EMPTY, Bounds::EMPTY);
+        for item in items.iter() {
+            bounds.grow(&item.bounds);
+            centres.grow_by_point(item.bounds.centre());
+        }
+        Part { items, bounds, centres }
     }
-    bounds
+
+    fn cut(self, cut: Cut) -> (Part<'a>, Part<'a>) {
+        let (left, right) = self.items.split_at_mut(cut.left);
+        let part = |items, [bounds, centres]: [Bounds; 2]| Part { items, bounds, centres };
+        (part(left, cut.bounds[0]), part(right, cut.bounds[1]))
+    }
 }
 
 impl Bounds {
+    const EMPTY: Bounds =
+        Bounds { lower: f32x4::new([f32::INFINITY; 4]), upper: f32x4::new([f32::NEG_INFINITY; 4]) };
+
     #[inline]
     fn grow(&mut self, other: &Bounds) {
-        for axis in 0..3 {
-            self.lower[axis] = self.lower[axis].min(other.lower[axis]);
-            self.upper[axis] = self.upper[axis].max(other.upper[axis]);
-        }
+        self.lower = self.lower.fast_min(other.lower);
+        self.upper = self.upper.fast_max(other.upper);
     }
 
     #[inline]
-    fn grow_by_point(&mut self, point: [f32; 3]) {
+    fn grow_by_point(&mut self, point: f32x4) {
         self.grow(&Bounds { lower: point, upper: point });
     }
 
     #[inline]
-    fn centre(&self) -> [f32; 3] {
-        std::array::from_fn(|axis| self.lower[axis] * 0.5 + self.upper[axis] * 0.5)
+    fn centre(&self) -> f32x4 {
+        (self.lower + self.upper) * f32x4::splat(0.5)
+    }
+
+    #[inline]
+    fn width(&self) -> f32x4 {
+        (self.upper - self.lower).fast_max(f32x4::ZERO)
     }
 
     /// Half the surface; 0 where empty.
     #[inline]
     fn surface(&self) -> f32 {
-        let [x, y, z] = std::array::from_fn(|axis| (self.upper[axis] - self.lower[axis]).max(0.0));
+        let [x, y, z, _] = self.width().to_array();
         x * y + y * z + z * x
     }
 
     fn widest_axis(&self) -> usize {
-        let width = |axis: usize| self.upper[axis] - self.lower[axis];
-        (0..3).fold(0, |best, axis| if width(axis) > width(best) { axis } else { best })
+        let width = self.width().to_array();
+        (0..3).fold(0, |best, axis| if width[axis] > width[best] { axis } else { best })
     }
 }

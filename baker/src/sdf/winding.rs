@@ -67,9 +67,8 @@ pub struct WindingNumbers {
 impl WindingNumbers {
     /// Moments of all parts of the tree.
     pub fn new(bvh: &Bvh) -> WindingNumbers {
-        let ranges = block_ranges(bvh);
         let expansions =
-            (0..bvh.nodes.len()).into_par_iter().map(|node| expansion(bvh, &ranges, node)).collect();
+            (0..bvh.nodes.len()).into_par_iter().map(|node| expansion(bvh, node)).collect();
         WindingNumbers { expansions }
     }
 
@@ -154,34 +153,7 @@ impl Expansion {
     }
 }
 
-/// For each node and child, the blocks below it, first and past the last. Nodes come before their
-/// children and blocks in the order of the children.
-fn block_ranges(bvh: &Bvh) -> Vec<[(u32, u32); 4]> {
-    let mut ranges = vec![[(0, 0); 4]; bvh.nodes.len()];
-    for (index, node) in bvh.nodes.iter().enumerate().rev() {
-        for (slot, &child) in node.child.iter().enumerate() {
-            if !is_used(bvh, index, slot) {
-                continue;
-            }
-            ranges[index][slot] = if child & LEAF != 0 {
-                (child & !LEAF, (child & !LEAF) + 1)
-            } else {
-                let below = &ranges[child as usize];
-                let used = || below.iter().filter(|range| range.1 > 0);
-                let first = used().map(|range| range.0).min();
-                let last = used().map(|range| range.1).max();
-                (first.unwrap_or(0), last.unwrap_or(0))
-            };
-        }
-    }
-    ranges
-}
-
-fn is_used(bvh: &Bvh, node: usize, slot: usize) -> bool {
-    bvh.nodes[node].lower[0].as_array()[slot] <= bvh.nodes[node].upper[0].as_array()[slot]
-}
-
-fn expansion(bvh: &Bvh, ranges: &[[(u32, u32); 4]], node: usize) -> Expansion {
+fn expansion(bvh: &Bvh, node: usize) -> Expansion {
     let mut result = Expansion {
         centre: Vec4::splat(DVec3::ZERO),
         radius_squared: f64x4::ZERO,
@@ -190,8 +162,7 @@ fn expansion(bvh: &Bvh, ranges: &[[(u32, u32); 4]], node: usize) -> Expansion {
         linear: [f64x4::ZERO; 6],
         quadratic: [f64x4::ZERO; 10],
     };
-    for slot in (0..4).filter(|&slot| is_used(bvh, node, slot)) {
-        let (first, end) = ranges[node][slot];
+    for (slot, &(first, end)) in bvh.ranges[node].iter().enumerate().filter(|(_, range)| range.1 > 0) {
         let blocks = &bvh.blocks[first as usize..end as usize];
         let moments = Moments::new(blocks, &bvh.frame);
         result.used |= 1 << slot;
