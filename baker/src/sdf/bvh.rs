@@ -10,7 +10,7 @@ use glam::DVec3;
 use wide::f32x4;
 
 use crate::sdf::bvh_build;
-use crate::sdf::closest_point::TriangleBlock;
+use crate::sdf::closest_point::{Closest, Feature, TriangleBlock, TrianglePoint, closest_point_on_triangle};
 use crate::sdf::coarse_block::CoarseBlock;
 use crate::sdf::oriented_box::Boxes;
 
@@ -44,16 +44,17 @@ pub struct Bvh {
     pub(crate) frame: Frame,
 }
 
-/// The closest triangle, before its closest point is looked for.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ClosestTriangle {
-    /// Squared distance.
-    pub distance_squared: f64,
-    /// Index in the mesh; of several at the same distance, the lowest.
-    pub triangle: u32,
-}
-
 const NOTHING: u32 = u32::MAX;
+const NOTHING_FOUND: Closest =
+    Closest { distance_squared: f64::INFINITY, point: DVec3::NAN, triangle: NOTHING, feature: Feature::Face };
+/// Leaves that are kept open at a time.
+const MAX_OPEN: usize = 16;
+
+/// Leaves that may hold the closest triangle: lower bounds of their distances, and their blocks.
+struct OpenLeaves {
+    leaves: [(f32, u32); MAX_OPEN],
+    count: usize,
+}
 
 impl Bvh {
     /// Builds the tree over triangles of finite coordinates, of which there must be at least one.
@@ -61,9 +62,9 @@ impl Bvh {
         bvh_build::build(triangles)
     }
 
-    /// Triangle closest to `p`. `upper_bound` is a distance that is known not to be exceeded, such as
+    /// Point closest to `p`. `upper_bound` is a distance that is known not to be exceeded, such as
     /// a neighbour's distance plus the way from it, or infinity; one that is too small costs time only.
-    pub fn closest_triangle(&self, p: DVec3, upper_bound: f64) -> ClosestTriangle {
+    pub fn closest(&self, p: DVec3, upper_bound: f64) -> Closest {
         let local = self.frame.local(p);
         let far = local.iter().any(|x| x.is_nan() || x.abs() > FAR);
         if far {
@@ -80,10 +81,14 @@ impl Bvh {
         }
     }
 
-    fn search(&self, p: DVec3, local: [f32; 3], bound_squared: f64) -> ClosestTriangle {
-        let mut best = ClosestTriangle { distance_squared: bound_squared, triangle: NOTHING };
-        let slack = Frame::slack(local);
-        let mut radius = self.frame.radius(bound_squared, slack);
+    /// The closest triangle within the bound, if there is one: nearest boxes first, in single precision; then the
+    /// leaves that it leaves open, in double precision.
+    #[inline(always)]
+    fn search(&self, p: DVec3, local: [f32; 3], bound_squared: f64) -> Closest {
+        let mut best = Closest { distance_squared: bound_squared, ..NOTHING_FOUND };
+        let mut open = OpenLeaves { leaves: [(0.0, 0); MAX_OPEN], count: 0 };
+        let mut radius = self.frame.radius(bound_squared, Frame::slack(local));
+        let slack = Frame::slack(local) as f32;
         let local = local.map(f32x4::splat);
         // Squared distance to the box in the upper half (floats of one sign order like integers), the
         // child in the lower: one comparison sorts both, the same way on every machine.
@@ -97,9 +102,15 @@ impl Bvh {
             }
             let child = entry as u32;
             if child & LEAF != 0 {
-                let block = (child & !LEAF) as usize;
-                if self.coarse[block].may_reach(&local, radius) && self.visit_leaf(block, p, &mut best) {
-                    radius = self.frame.radius(best.distance_squared, slack);
+                let block = child & !LEAF;
+                let (lower, upper) = self.coarse[block as usize].distance(&local);
+                if lower <= radius {
+                    radius = if upper + slack < radius { upper + slack } else { radius };
+                    if open.count == MAX_OPEN {
+                        self.close(&mut open, (p, &local), radius, &mut best);
+                    }
+                    open.leaves[open.count] = (lower, block);
+                    open.count += 1;
                 }
                 continue;
             }
@@ -112,34 +123,45 @@ impl Bvh {
                 top += 1;
             }
         }
+        self.close(&mut open, (p, &local), radius, &mut best);
         best
     }
 
-    /// True where one of the leaf's triangles is now the closest.
-    #[inline]
-    fn visit_leaf(&self, block: usize, p: DVec3, best: &mut ClosestTriangle) -> bool {
-        let distances = self.blocks[block].distances_squared(p);
-        if !distances.simd_le(best.distance_squared).any() {
-            return false;
-        }
-        let before = best.distance_squared;
-        for (distance_squared, triangle) in distances.to_array().into_iter().zip(self.ids[block]) {
-            let closer = distance_squared < best.distance_squared;
-            if closer || distance_squared == best.distance_squared && triangle < best.triangle {
-                *best = ClosestTriangle { distance_squared, triangle };
+    /// Looks at the triangles of the open leaves that may be within the radius, in double precision.
+    fn close(&self, open: &mut OpenLeaves, p: (DVec3, &[f32x4; 3]), radius: f32, best: &mut Closest) {
+        for &(_, block) in open.leaves[..open.count].iter().filter(|leaf| leaf.0 <= radius) {
+            let mut lanes = self.coarse[block as usize].within(p.1, radius);
+            while lanes != 0 {
+                self.visit(block as usize, lanes.trailing_zeros() as usize, p.0, best);
+                lanes &= lanes - 1;
             }
         }
-        best.distance_squared < before
+        open.count = 0;
+    }
+
+    /// Takes the point of a triangle if none before was closer.
+    #[inline]
+    fn visit(&self, block: usize, lane: usize, p: DVec3, best: &mut Closest) {
+        let corners = self.blocks[block].corners().map(|corner| corner.lane(lane));
+        let triangle = self.ids[block][lane];
+        let TrianglePoint { distance_squared, point, feature } = closest_point_on_triangle(p, &corners);
+        let closer = distance_squared < best.distance_squared;
+        if closer || distance_squared == best.distance_squared && triangle < best.triangle {
+            *best = Closest { distance_squared, point, triangle, feature };
+        }
     }
 
     /// For points so far away that the tree cannot help, or that are not numbers.
-    fn closest_of_all(&self, p: DVec3) -> ClosestTriangle {
-        let mut best = ClosestTriangle { distance_squared: f64::INFINITY, triangle: NOTHING };
+    fn closest_of_all(&self, p: DVec3) -> Closest {
+        let mut best = NOTHING_FOUND;
         for block in 0..self.blocks.len() {
-            self.visit_leaf(block, p, &mut best);
+            (0..4).for_each(|lane| self.visit(block, lane, p, &mut best));
         }
         if best.triangle == NOTHING {
-            best.triangle = 0;
+            // Nothing is closer than infinity.
+            let corners = self.blocks[0].corners().map(|corner| corner.lane(0));
+            let TrianglePoint { distance_squared, point, feature } = closest_point_on_triangle(p, &corners);
+            best = Closest { distance_squared, point, triangle: self.ids[0][0], feature };
         }
         best
     }

@@ -116,34 +116,6 @@ impl TriangleBlock {
     pub fn corners(&self) -> &[Vec4; 3] {
         &self.corners
     }
-
-    /// Squared distances from `p` to the four triangles: `closest_point_on_triangle` without branches.
-    #[inline]
-    pub fn distances_squared(&self, p: DVec3) -> f64x4 {
-        let p = Vec4::splat(p);
-        let [a, b, c] = [self.corners[0] - p, self.corners[1] - p, self.corners[2] - p];
-        let edges = edge_distance_squared(a, b)
-            .fast_min(edge_distance_squared(b, c))
-            .fast_min(edge_distance_squared(c, a));
-        let normal = (b - a).cross(c - a);
-        let weight_a = normal.dot(b.cross(c));
-        let weight_b = normal.dot(c.cross(a));
-        let weight_c = normal.dot(a.cross(b));
-        let sum = weight_a + weight_b + weight_c;
-        let inside = weight_a.fast_min(weight_b).fast_min(weight_c);
-        let offset = (a.scale(weight_a) + b.scale(weight_b) + c.scale(weight_c))
-            .scale(f64x4::ONE / sum.fast_max(f64x4::splat(f64::MIN_POSITIVE)));
-        let face = (inside.simd_ge(f64x4::ZERO) & sum.simd_gt(f64x4::ZERO)).select(offset.dot(offset), edges);
-        face.fast_min(edges)
-    }
-}
-
-#[inline(always)]
-fn edge_distance_squared(a: Vec4, b: Vec4) -> f64x4 {
-    let along = b - a;
-    let t = -a.dot(along) / along.dot(along).fast_max(f64x4::splat(f64::MIN_POSITIVE));
-    let offset = a + along.scale(t.fast_max(f64x4::ZERO));
-    t.simd_ge(f64x4::ONE).select(b.dot(b), offset.dot(offset))
 }
 
 /// Four points or vectors of space.

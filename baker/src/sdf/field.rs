@@ -41,16 +41,20 @@ impl DistanceField {
         exterior: Exterior,
         phi: &impl SignedDistance,
     ) -> DistanceField {
-        let values = fill_rows(nodes, || None, |last_row, row, out| {
-            // A row begins near the beginning of the last.
-            let mut known = *last_row;
-            for (n, (value, point)) in out.iter_mut().zip(row.positions(&grid)).enumerate() {
-                *value = phi.near(point, &mut known);
-                if n == 0 {
-                    *last_row = known;
+        let values = fill_rows(
+            nodes,
+            || None,
+            |last_row, row, out| {
+                // A row begins near the beginning of the last.
+                let mut known = *last_row;
+                for (n, (value, point)) in out.iter_mut().zip(row.positions(&grid)).enumerate() {
+                    *value = phi.near(point, &mut known);
+                    if n == 0 {
+                        *last_row = known;
+                    }
                 }
-            }
-        });
+            },
+        );
         let cells = CellIndex::new(grid.resolution, &cells.band, &cells.solid, nodes);
         DistanceField { grid, cells, values, exterior }
     }

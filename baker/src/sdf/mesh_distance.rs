@@ -6,7 +6,7 @@ use volmap_formats::mesh::TriangleMesh;
 use crate::mesh::diagnosis::Diagnosis;
 use crate::mesh::topology::Topology;
 use crate::sdf::bvh::Bvh;
-use crate::sdf::closest_point::{Closest, closest_point_on_triangle};
+use crate::sdf::closest_point::Closest;
 use crate::sdf::pseudonormal::Pseudonormals;
 use crate::sdf::sign::{SignChoice, SignMethod, choose_sign};
 use crate::sdf::winding::WindingNumbers;
@@ -14,7 +14,6 @@ use crate::sdf::winding::WindingNumbers;
 /// A mesh, ready for queries from any number of threads.
 #[derive(Clone, Debug)]
 pub struct MeshDistance {
-    vertices: Vec<DVec3>,
     triangles: Vec<[u32; 3]>,
     bvh: Bvh,
     pseudonormals: Pseudonormals,
@@ -62,7 +61,6 @@ impl MeshDistance {
             pseudonormals: Pseudonormals::new(&vertices, &mesh.triangles, &topology),
             winding: WindingNumbers::new(&bvh),
             triangles: mesh.triangles.clone(),
-            vertices,
             bvh,
             choice,
             balanced: diagnosis.balanced,
@@ -81,15 +79,7 @@ impl MeshDistance {
 
     /// `closest`, faster where a distance is known that will not be exceeded.
     pub fn closest_within(&self, p: DVec3, upper_bound: f64) -> Closest {
-        let triangle = self.bvh.closest_triangle(p, upper_bound).triangle;
-        let corners = self.triangles[triangle as usize].map(|v| self.vertices[v as usize]);
-        let found = closest_point_on_triangle(p, &corners);
-        Closest {
-            distance_squared: found.distance_squared,
-            point: found.point,
-            triangle,
-            feature: found.feature,
-        }
+        self.bvh.closest(p, upper_bound)
     }
 
     /// Distance to the mesh, 0 or more.

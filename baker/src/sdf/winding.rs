@@ -67,8 +67,7 @@ pub struct WindingNumbers {
 impl WindingNumbers {
     /// Moments of all parts of the tree.
     pub fn new(bvh: &Bvh) -> WindingNumbers {
-        let expansions =
-            (0..bvh.nodes.len()).into_par_iter().map(|node| expansion(bvh, node)).collect();
+        let expansions = (0..bvh.nodes.len()).into_par_iter().map(|node| expansion(bvh, node)).collect();
         WindingNumbers { expansions }
     }
 

@@ -2,9 +2,7 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 use volmap_baker::mesh::{diagnose, orient};
-use volmap_baker::sdf::{
-    Feature, MeshDistance, SignMethod, choose_sign, compare_signs, points_near_surface,
-};
+use volmap_baker::sdf::{Feature, MeshDistance, SignMethod, choose_sign, compare_signs, points_near_surface};
 use volmap_formats::mesh::TriangleMesh;
 
 use crate::shapes::{self, Random};
