@@ -82,7 +82,7 @@ pub struct CellCounts {
 }
 
 /// Steps of a bake, for progress.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug)]
 pub enum Step {
     /// Diagnosis and orientation of the mesh, and the tree for its distance.
     Mesh,
@@ -120,9 +120,9 @@ pub fn bake(
     };
     let maps = compute_maps(&plan, settings.map.rule, &phi, &mut |stage| {
         match stage {
-            Stage::Band => clock.lap("tree"),
-            Stage::Distance => clock.lap("band"),
-            Stage::Volume => clock.lap("distance"),
+            Stage::Band(_) => clock.lap("tree"),
+            Stage::Distance(_) => clock.lap("band"),
+            Stage::Volume(_) => clock.lap("distance"),
         }
         on_step(Step::Field(stage));
     })?;

@@ -18,5 +18,6 @@ pub mod rows;
 pub mod sdf;
 pub mod summary;
 pub mod volume_map;
+pub mod work;
 
 pub use error::Error;

@@ -48,7 +48,7 @@ fn run_bake(arguments: &BakeArguments) -> Result<()> {
         rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
     }
     let writing = exit_between_writes()?;
-    let progress = Progress::new(arguments.quiet);
+    let mut progress = Progress::new(arguments.quiet);
     let start = Instant::now();
     let input = input::load(&arguments.mesh, &arguments.input())?;
     let read_seconds = start.elapsed().as_secs_f64();

@@ -5,9 +5,10 @@ use crate::error::Error;
 use crate::plan::Plan;
 use crate::sdf::SignedDistance;
 use crate::sdf::band::{BandCells, cropped, find_band};
-use crate::sdf::field::DistanceField;
+use crate::sdf::field::{DistanceField, values};
 use crate::volume_map::lattice::LatticeRule;
 use crate::volume_map::quadrature::Rule;
+use crate::work::Work;
 use glam::UVec3;
 use volmap_runtime::Nodes;
 
@@ -25,14 +26,14 @@ pub struct Maps {
 }
 
 /// A stage of the bake, for progress and timing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug)]
 pub enum Stage {
-    /// Finding the cells of the band.
-    Band,
+    /// Finding the cells of the band, among so many.
+    Band(Work),
     /// Sampling Phi at the nodes.
-    Distance,
+    Distance(Work),
     /// Integrating V at the nodes.
-    Volume,
+    Volume(Work),
 }
 
 /// Computes both fields of the signed distance `phi` (metres, 1-Lipschitz, negative inside the solid). `enter` is
@@ -46,24 +47,27 @@ pub fn compute_maps(
     phi: &impl SignedDistance,
     enter: &mut dyn FnMut(Stage),
 ) -> Result<Maps, Error> {
-    enter(Stage::Band);
     let distance_grid = plan.distance_grid();
-    let found = find_band(&distance_grid, plan.band_width, phi);
+    let work = Work::new(distance_grid.resolution.as_u64vec3().element_product());
+    enter(Stage::Band(work.clone()));
+    let found = find_band(&distance_grid, plan.band_width, phi, &work);
     let found_nodes = numbered(distance_grid.resolution, &found)?;
 
-    enter(Stage::Distance);
-    let field = DistanceField::sample(distance_grid, &found, &found_nodes, plan.exterior, phi);
+    let work = Work::new(found_nodes.count() as u64);
+    enter(Stage::Distance(work.clone()));
+    let field = DistanceField::new(distance_grid, &found, &found_nodes, plan.exterior, values(&distance_grid, &found_nodes, phi, &work));
     let (cells, nodes) = match plan.margin == UVec3::ZERO {
         true => (found, found_nodes),
         false => cropped_cells(plan, &found)?,
     };
 
-    enter(Stage::Volume);
+    let work = Work::new(nodes.count() as u64);
+    enter(Stage::Volume(work.clone()));
     let lattice = LatticeRule::new(&rule.points(), plan.support_radius, plan.grid.cell_size);
-    let volume = lattice.volumes(&field, &nodes, plan.margin);
+    let volume = lattice.volumes(&field, &nodes, plan.margin, &work);
     let distance = match plan.margin == UVec3::ZERO {
         true => field.values,
-        false => DistanceField::sample(plan.grid, &cells, &nodes, plan.exterior, phi).values,
+        false => values(&plan.grid, &nodes, phi, &Work::new(0)),
     };
     Ok(Maps { cells, nodes, distance, volume })
 }

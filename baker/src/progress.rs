@@ -1,25 +1,35 @@
-//! Progress on a terminal; a line for the plan elsewhere.
+//! Progress on a terminal, for whatever takes longer than a moment; a line for the plan elsewhere.
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::io::IsTerminal;
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
+use std::thread::JoinHandle;
 use std::time::Duration;
 use volmap_baker::bake::Step;
 use volmap_baker::maps::Stage;
 use volmap_baker::plan::Plan;
 use volmap_baker::summary::{bytes, thousands};
+use volmap_baker::work::Work;
+
+/// How often the bar is drawn; a bake that is faster shows none.
+const TICK: Duration = Duration::from_millis(100);
 
 /// Shows what the bake is at.
 pub struct Progress {
-    bar: ProgressBar,
     quiet: bool,
+    /// Of the thread that draws, if there is a terminal to draw on.
+    drawing: Option<(Sender<Step>, JoinHandle<()>)>,
 }
 
 impl Progress {
-    /// A spinner on a terminal; hidden elsewhere.
+    /// A bar on a terminal; nothing elsewhere.
     pub fn new(quiet: bool) -> Progress {
-        let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new_spinner() };
-        bar.set_style(ProgressStyle::default_spinner());
-        bar.enable_steady_tick(Duration::from_millis(100));
-        Progress { bar, quiet }
+        let visible = !quiet && std::io::stderr().is_terminal();
+        let drawing = visible.then(|| {
+            let (steps, received) = mpsc::channel();
+            (steps, std::thread::spawn(move || draw(&received)))
+        });
+        Progress { quiet, drawing }
     }
 
     /// Prints the estimate before anything large is computed.
@@ -28,7 +38,7 @@ impl Progress {
             return;
         }
         let n = plan.grid.resolution;
-        let line = format!(
+        eprintln!(
             "plan       {} x {} x {} cells, about {} in the band, {} of memory, {:.1} s on one thread",
             n.x,
             n.y,
@@ -37,22 +47,75 @@ impl Progress {
             bytes(plan.estimate.memory),
             plan.estimate.seconds
         );
-        self.bar.suspend(|| eprintln!("{line}"));
     }
 
     /// Names the step.
     pub fn step(&self, step: Step) {
-        self.bar.set_message(match step {
-            Step::Mesh => "examining the mesh",
-            Step::Field(Stage::Band) => "finding the band",
-            Step::Field(Stage::Distance) => "sampling the distance",
-            Step::Field(Stage::Volume) => "integrating the volume",
-            Step::CheckSign => "comparing the signs",
-        });
+        if let Some((steps, _)) = &self.drawing {
+            // The thread ends after this end of the channel does.
+            let _ = steps.send(step);
+        }
     }
 
-    /// Clears the spinner.
-    pub fn finish(&self) {
-        self.bar.finish_and_clear();
+    /// Clears the bar.
+    pub fn finish(&mut self) {
+        if let Some((steps, thread)) = self.drawing.take() {
+            drop(steps);
+            let _ = thread.join();
+        }
+    }
+}
+
+/// Draws the steps that arrive until there are no more.
+fn draw(steps: &Receiver<Step>) {
+    let mut current: Option<(ProgressBar, Option<Work>)> = None;
+    loop {
+        match steps.recv_timeout(TICK) {
+            Ok(step) => {
+                clear(&current);
+                let (name, work) = describe(step);
+                current = Some((bar(name, work.as_ref()), work));
+            }
+            Err(RecvTimeoutError::Timeout) => tick(&current),
+            Err(RecvTimeoutError::Disconnected) => return clear(&current),
+        }
+    }
+}
+
+fn clear(current: &Option<(ProgressBar, Option<Work>)>) {
+    if let Some((bar, _)) = current {
+        bar.finish_and_clear();
+    }
+}
+
+fn tick(current: &Option<(ProgressBar, Option<Work>)>) {
+    if let Some((bar, work)) = current {
+        bar.tick();
+        work.iter().for_each(|work| bar.set_position(work.done()));
+    }
+}
+
+fn bar(name: &'static str, work: Option<&Work>) -> ProgressBar {
+    let target = ProgressDrawTarget::stderr();
+    let (bar, template) = match work {
+        Some(work) => (
+            ProgressBar::with_draw_target(Some(work.total), target),
+            "{msg} {bar:30} {percent:>3} %, {per_sec}, {eta} left",
+        ),
+        None => (ProgressBar::with_draw_target(None, target), "{spinner} {msg}, {elapsed}"),
+    };
+    let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
+    bar.set_style(style);
+    bar.set_message(name);
+    bar
+}
+
+fn describe(step: Step) -> (&'static str, Option<Work>) {
+    match step {
+        Step::Mesh => ("examining the mesh", None),
+        Step::Field(Stage::Band(work)) => ("finding the band", Some(work)),
+        Step::Field(Stage::Distance(work)) => ("sampling the distance", Some(work)),
+        Step::Field(Stage::Volume(work)) => ("integrating the volume", Some(work)),
+        Step::CheckSign => ("comparing the signs", None),
     }
 }

@@ -6,6 +6,7 @@
 
 use super::boundary_distance::SignedDistance;
 use super::mesh_distance::KnownDistance;
+use crate::work::Work;
 use glam::{DVec3, UVec3};
 use rayon::prelude::*;
 use volmap_formats::asset::CellRun;
@@ -33,9 +34,9 @@ const TASK_CELLS: u32 = 16;
 const REFINEMENTS: u32 = 2;
 
 /// Finds the band of half width `width` (metres) of the signed distance `phi`, which must be 1-Lipschitz where it
-/// doesn't change its sign.
-pub fn find_band(grid: &Grid, width: f64, phi: &impl SignedDistance) -> BandCells {
-    let search = Search { grid, width, phi };
+/// doesn't change its sign. Cells that are decided count as work.
+pub fn find_band(grid: &Grid, width: f64, phi: &impl SignedDistance, work: &Work) -> BandCells {
+    let search = Search { grid, width, phi, work };
     let found = search.block(UVec3::ZERO, grid.resolution, None);
     BandCells { band: joined(found.band), solid: joined(found.solid) }
 }
@@ -44,6 +45,7 @@ struct Search<'a, D> {
     grid: &'a Grid,
     width: f64,
     phi: &'a D,
+    work: &'a Work,
 }
 
 impl<D: SignedDistance> Search<'_, D> {
@@ -54,11 +56,14 @@ impl<D: SignedDistance> Search<'_, D> {
         let distance = self.phi.near(center, &mut known);
         // Rounding of the corners must not hide a touching cell.
         let reach = 0.5 * (opposite - corner).length() * (1.0 + 1e-9);
+        let size = (high - low).as_u64vec3().element_product();
         if distance.abs() - reach > self.width {
+            self.work.add(size);
             if distance < 0.0 {
                 push_box(low, high, &mut cells.solid);
             }
         } else if high - low == UVec3::ONE {
+            self.work.add(1);
             if self.touches(center, 0.5 * (opposite - corner), (distance, known), REFINEMENTS) {
                 push_box(low, high, &mut cells.band);
             } else if distance < 0.0 {

@@ -2,8 +2,10 @@
 
 use super::band::BandCells;
 use super::boundary_distance::SignedDistance;
-use crate::rows::fill_rows;
-use glam::{DVec3, UVec3};
+use super::mesh_distance::KnownDistance;
+use crate::rows::{NodeRow, fill_rows};
+use crate::work::Work;
+use glam::DVec3;
 use volmap_formats::asset::Exterior;
 use volmap_runtime::serendipity::shape;
 use volmap_runtime::{Cell, CellIndex, Grid, Nodes};
@@ -41,33 +43,21 @@ impl DistanceField {
         exterior: Exterior,
         phi: &impl SignedDistance,
     ) -> DistanceField {
-        let values = fill_rows(
-            nodes,
-            || None,
-            |last_row, row, out| {
-                // A row begins near the beginning of the last.
-                let mut known = *last_row;
-                for (n, (value, point)) in out.iter_mut().zip(row.positions(&grid)).enumerate() {
-                    *value = phi.near(point, &mut known);
-                    if n == 0 {
-                        *last_row = known;
-                    }
-                }
-            },
-        );
+        let values = values(&grid, nodes, phi, &Work::new(0));
         let cells = CellIndex::new(grid.resolution, &cells.band, &cells.solid, nodes);
         DistanceField { grid, cells, values, exterior }
     }
 
-    /// What is known of a cell, which may lie outside the grid.
-    pub fn cell(&self, i: i64, j: i64, k: i64) -> Cell {
-        let n = self.grid.resolution;
-        let inside = |at: i64, n: u32| (0..i64::from(n)).contains(&at);
-        match (inside(i, n.x) && inside(j, n.y) && inside(k, n.z), self.exterior) {
-            (true, _) => self.cells.find(UVec3::new(i as u32, j as u32, k as u32)),
-            (false, Exterior::Solid) => Cell::Solid,
-            (false, Exterior::Fluid) => Cell::Fluid,
-        }
+    /// Puts the values at the nodes of the band's cells in place.
+    pub fn new(
+        grid: Grid,
+        cells: &BandCells,
+        nodes: &Nodes,
+        exterior: Exterior,
+        values: Vec<f64>,
+    ) -> DistanceField {
+        let cells = CellIndex::new(grid.resolution, &cells.band, &cells.solid, nodes);
+        DistanceField { grid, cells, values, exterior }
     }
 
     /// Interpolated distance at any point.
@@ -86,4 +76,20 @@ impl DistanceField {
             (Cell::Fluid, _) => Phi::Fluid,
         }
     }
+}
+
+/// Phi at the nodes of a grid, in the order of their numbers; each counts as work.
+pub fn values(grid: &Grid, nodes: &Nodes, phi: &impl SignedDistance, work: &Work) -> Vec<f64> {
+    let fill = |last_row: &mut Option<KnownDistance>, row: NodeRow, out: &mut [f64]| {
+        // A row begins near the beginning of the last.
+        let mut known = *last_row;
+        for (n, (value, point)) in out.iter_mut().zip(row.positions(grid)).enumerate() {
+            *value = phi.near(point, &mut known);
+            if n == 0 {
+                *last_row = known;
+            }
+        }
+        work.add(out.len() as u64);
+    };
+    fill_rows(nodes, || None, fill)
 }

@@ -12,6 +12,7 @@ use super::quadrature::Point;
 use super::window::{FieldWindows, contents};
 use crate::rows::{NodeRow, RowCluster, fill_clusters};
 use crate::sdf::field::DistanceField;
+use crate::work::Work;
 use glam::{DVec3, IVec3, UVec3};
 use volmap_runtime::{Family, Nodes};
 
@@ -53,10 +54,14 @@ impl LatticeRule {
     }
 
     /// Boundary volume at every node, m^3. The nodes' lattice lies `shift` cells inside the field's grid.
-    pub fn volumes(&self, field: &DistanceField, nodes: &Nodes, shift: UVec3) -> Vec<f64> {
+    /// Each node counts as work.
+    pub fn volumes(&self, field: &DistanceField, nodes: &Nodes, shift: UVec3, work: &Work) -> Vec<f64> {
         let contents = contents(field, self.radius, &self.kernel);
         let windows = FieldWindows { field, contents: &contents, inverse_radius: 1.0 / self.radius, shift };
-        fill_clusters(nodes, Scratch::default, |scratch, cluster| self.cluster(&windows, scratch, cluster))
+        fill_clusters(nodes, Scratch::default, |scratch, cluster| {
+            self.cluster(&windows, scratch, cluster);
+            work.add(cluster.rows.iter().map(|(_, own)| own.len() as u64).sum());
+        })
     }
 
     fn cluster(&self, windows: &FieldWindows, scratch: &mut Scratch, cluster: &mut RowCluster) {
