@@ -3,6 +3,7 @@
 mod analytic;
 mod peer;
 mod queries;
+mod tolerance;
 mod volume;
 
 #[cfg(feature = "interop")]

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use volmap_baker::bake::{Bake, BakeSettings, bake};
 use volmap_baker::input::{InputSettings, load};
 use volmap_baker::plan::{GridChoice, Precision, Settings};
+use volmap_baker::volume_map::quadrature::Rule;
 use volmap_formats::asset::Array;
 use volmap_formats::mesh::Placement;
 use volmap_runtime::{Family, Nodes};
@@ -68,6 +69,7 @@ fn bake_as_peer(mesh: &str, scale: f64, peer: &Peer) -> Bake {
         grid: GridChoice::Resolution(peer.resolution),
         domain: Some(peer.domain),
         precision: Precision::F64,
+        rule: Rule::GaussLegendre(30),
         ..Settings::default()
     };
     bake(input, &BakeSettings { map, ..BakeSettings::default() }, &mut |_| (), &mut |_| ()).unwrap()

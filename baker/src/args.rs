@@ -7,6 +7,7 @@ use volmap_baker::bake::BakeSettings;
 use volmap_baker::input::InputSettings;
 use volmap_baker::plan::{GridChoice, Precision, Settings};
 use volmap_baker::sdf::SignMethod;
+use volmap_baker::tolerance::TOLERANCES;
 use volmap_baker::volume_map::quadrature::Rule;
 use volmap_formats::asset::Compression;
 use volmap_formats::mesh::{Placement, Rotation, UpAxis};
@@ -46,7 +47,7 @@ pub enum Command {
 
 #[derive(Debug, Args)]
 #[command(group(ArgGroup::new("radius").args(["support_radius", "particle_radius"])))]
-#[command(group(ArgGroup::new("cells").args(["resolution", "cell_size"])))]
+#[command(group(ArgGroup::new("cells").args(["resolution", "cell_size", "tolerance"])))]
 #[command(allow_negative_numbers = true)]
 pub struct BakeArguments {
     /// Mesh file
@@ -67,6 +68,9 @@ pub struct BakeArguments {
     /// Edge of the cubic cells, metres [default: r / 2]
     #[arg(long, value_name = "LENGTH", help_heading = "Map")]
     cell_size: Option<f64>,
+    /// Largest error of the volume, as a part of the full ball (1% or 0.01): finds the largest cells that keep it
+    #[arg(long, value_name = "PART", value_parser = tolerance, help_heading = "Map")]
+    tolerance: Option<f64>,
     /// xmin,ymin,zmin,xmax,ymax,zmax, metres [default: all within 2 r of the surface]
     #[arg(long, value_name = "BOX", value_parser = numbers::<6>, allow_hyphen_values = true, help_heading = "Map")]
     domain: Option<Numbers<6>>,
@@ -79,7 +83,7 @@ pub struct BakeArguments {
     /// Move the surface out of the solid by this, metres
     #[arg(long, value_name = "LENGTH", default_value_t = 0.0, help_heading = "Map")]
     thickness: f64,
-    /// Rule of the volume's integral: glP of order P (gl30 is the paper's), or ballN
+    /// Rule of the volume's integral: chordN, ballN, or glP of order P (gl30 is the paper's)
     #[arg(long, value_name = "RULE", default_value_t, value_parser = Rule::from_str, help_heading = "Map")]
     quadrature: Rule,
 
@@ -201,9 +205,10 @@ impl BakeArguments {
 
     /// How it is baked.
     pub fn settings(&self) -> BakeSettings {
-        let grid = match (self.resolution, self.cell_size) {
-            (Some(Vector(cells)), _) => GridChoice::Resolution(cells),
-            (_, Some(edge)) => GridChoice::CellSize(edge),
+        let grid = match (self.resolution, self.cell_size, self.tolerance) {
+            (Some(Vector(cells)), ..) => GridChoice::Resolution(cells),
+            (_, Some(edge), _) => GridChoice::CellSize(edge),
+            (.., Some(part)) => GridChoice::Tolerance(part),
             _ => GridChoice::FromRadius,
         };
         let corners = |Numbers([a, b, c, d, e, f]): Numbers<6>| [[a, b, c], [d, e, f]];
@@ -266,6 +271,18 @@ fn resolution(text: &str) -> Result<Vector<u32>, String> {
     }
 }
 
+fn tolerance(text: &str) -> Result<f64, String> {
+    let [least, most] = TOLERANCES;
+    let part = match text.strip_suffix('%') {
+        Some(percent) => percent.trim().parse::<f64>().ok().map(|percent| percent / 100.0),
+        None => text.parse().ok(),
+    };
+    let part = part.filter(|part| (least..=most).contains(part));
+    part.ok_or_else(|| {
+        format!("give {}% to {}%, or the same as a number, as 0.01", 100.0 * least, 100.0 * most)
+    })
+}
+
 /// Far more than there are processors would only take memory and minutes to start.
 fn threads(text: &str) -> Result<usize, String> {
     let count = text.parse().ok().filter(|count| (1..=1024).contains(count));
@@ -307,6 +324,8 @@ mod tests {
         assert!(byte_size("-1GB").is_err() && byte_size("much").is_err());
         assert_eq!(unit("mm"), Ok(1e-3));
         assert!(unit("furlong").is_err() && unit("0").is_err());
+        assert_eq!((tolerance("1%"), tolerance("0.01")), (Ok(0.01), Ok(0.01)));
+        assert!(tolerance("0").is_err() && tolerance("200%").is_err() && tolerance("NaN").is_err());
         assert_eq!(resolution("20").unwrap().0, [20; 3]);
         assert!(resolution("20,30").is_err() && resolution("-1").is_err());
     }

@@ -5,11 +5,12 @@ use crate::error::Error;
 use crate::input::{Input, Source, bounds};
 use crate::maps::{Maps, Stage, compute_maps};
 use crate::mesh::{Diagnosis, OrientationRepair, diagnose, orient};
-use crate::plan::{Extent, Plan, Precision, Settings, plan};
+use crate::plan::{Extent, GridChoice, Plan, Precision, Settings, plan};
 use crate::rows::positions;
 use crate::sdf::boundary_distance::BoundaryDistance;
 use crate::sdf::sign::SignChoice;
 use crate::sdf::{MeshDistance, SignComparison, SignMethod, compare_signs};
+use crate::tolerance::{Found, Problem, search};
 use glam::DVec3;
 use std::time::Instant;
 use volmap_formats::asset::{Array, Asset, QuadratureSpec};
@@ -62,6 +63,8 @@ pub struct Summary {
     pub cells: CellCounts,
     /// Nodes of the band.
     pub nodes: usize,
+    /// How the cells were found, if a tolerance was asked for.
+    pub tolerance: Option<Found>,
     /// Bytes of both fields if every cell of the grid were stored, and for the band alone.
     pub field_bytes: [u64; 2],
     /// Stages and their seconds, in order.
@@ -111,22 +114,22 @@ pub fn bake(
     let diagnosis = diagnose(&input.mesh);
     clock.lap("mesh");
     let [min, max] = bounds(&input.mesh);
-    let plan = plan(&Extent { min, max, area: diagnosis.area }, &settings.map)?;
-    on_plan(&plan);
+    let extent = Extent { min, max, area: diagnosis.area };
+    if !matches!(settings.map.grid, GridChoice::Tolerance(_)) {
+        on_plan(&plan(&extent, &settings.map)?);
+    }
     let phi = BoundaryDistance {
         mesh: MeshDistance::new(&input.mesh, settings.sign, &diagnosis),
         invert: settings.map.invert,
         thickness: settings.map.thickness,
     };
-    let maps = compute_maps(&plan, settings.map.rule, &phi, &mut |stage| {
-        match stage {
-            Stage::Band(_) => clock.lap("tree"),
-            Stage::Distance(_) => clock.lap("band"),
-            Stage::Volume(_) => clock.lap("distance"),
-        }
+    let problem = Problem { mesh: &input.mesh, extent: &extent, phi: &phi };
+    let mut stage_name = "tree";
+    let (plan, maps, tolerance) = fields(&problem, settings, &mut |stage| {
+        clock.lap(std::mem::replace(&mut stage_name, stage.name()));
         on_step(Step::Field(stage));
     })?;
-    clock.lap("volume");
+    clock.lap(stage_name);
     let sign_comparison = settings.check_sign.then(|| {
         on_step(Step::CheckSign);
         let comparison = compare_signs(&phi.mesh, &positions(&maps.nodes, &plan.grid));
@@ -141,6 +144,7 @@ pub fn bake(
         sign_comparison,
         cells: cell_counts(&plan, &maps),
         nodes: maps.nodes.count(),
+        tolerance,
         field_bytes: field_bytes(&plan, &maps, settings.map.precision),
         seconds: clock.laps,
         warnings: Vec::new(),
@@ -154,6 +158,21 @@ pub fn bake(
     Ok(Bake { asset, summary })
 }
 
+/// The grid and the fields on it, after a search if a tolerance is asked for.
+fn fields(
+    problem: &Problem<BoundaryDistance>,
+    settings: &BakeSettings,
+    enter: &mut dyn FnMut(Stage),
+) -> Result<(Plan, Maps, Option<Found>), Error> {
+    if let GridChoice::Tolerance(tolerance) = settings.map.grid {
+        let (plan, maps, found) = search(problem, &settings.map, tolerance, enter)?;
+        return Ok((plan, maps, Some(found)));
+    }
+    let plan = plan(problem.extent, &settings.map)?;
+    let maps = compute_maps(&plan, settings.map.rule, problem.phi, enter)?;
+    Ok((plan, maps, None))
+}
+
 /// Wall time of the stages.
 struct Clock {
     last: Instant,
@@ -163,7 +182,12 @@ struct Clock {
 impl Clock {
     fn lap(&mut self, name: &'static str) {
         let now = Instant::now();
-        self.laps.push((name, (now - self.last).as_secs_f64()));
+        let seconds = (now - self.last).as_secs_f64();
+        // A search goes through the stages several times.
+        match self.laps.iter_mut().find(|lap| lap.0 == name) {
+            Some(lap) => lap.1 += seconds,
+            None => self.laps.push((name, seconds)),
+        }
         self.last = now;
     }
 }

@@ -25,6 +25,7 @@ pub fn parameters(input: &Input, summary: &Summary, settings: &BakeSettings) -> 
         GridChoice::FromRadius => "from support radius".to_owned(),
         GridChoice::Resolution([x, y, z]) => format!("resolution {x},{y},{z}"),
         GridChoice::CellSize(edge) => format!("cell size {edge}"),
+        GridChoice::Tolerance(part) => format!("tolerance {part}"),
     };
     let up_axis = match input.placement.up_axis {
         UpAxis::X => "x",
@@ -33,7 +34,7 @@ pub fn parameters(input: &Input, summary: &Summary, settings: &BakeSettings) -> 
     };
     let domain = |corners: [DVec3; 2]| Value::Real(corners.iter().flat_map(|c| c.to_array()).collect());
     let grid = summary.plan.grid;
-    attributes([
+    let mut out = attributes([
         ("support_radius", summary.plan.support_radius.into()),
         ("particle_radius", (summary.plan.support_radius / 4.0).into()),
         ("band_width", summary.plan.band_width.into()),
@@ -55,7 +56,17 @@ pub fn parameters(input: &Input, summary: &Summary, settings: &BakeSettings) -> 
         ("rotation_degrees", input.placement.rotation.degrees.into()),
         ("translation", input.placement.translation.into()),
         ("weld_tolerance", input.weld_tolerance.into()),
-    ])
+    ]);
+    if let Some(found) = &summary.tolerance {
+        out.extend(attributes([
+            ("tolerance", found.tolerance.into()),
+            ("volume_error_max", found.error.max.into()),
+            ("volume_error_rms", found.error.rms.into()),
+            ("volume_error_points", count(found.error.points)),
+            ("volume_error_reference", found.reference.to_string().into()),
+        ]));
+    }
+    out
 }
 
 /// Where the map comes from.

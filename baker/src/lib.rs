@@ -17,6 +17,7 @@ pub mod points;
 pub mod rows;
 pub mod sdf;
 pub mod summary;
+pub mod tolerance;
 pub mod volume_map;
 pub mod work;
 

@@ -28,12 +28,26 @@ pub struct Maps {
 /// A stage of the bake, for progress and timing.
 #[derive(Clone, Debug)]
 pub enum Stage {
+    /// Integrating the volume on the exact distance, for a tolerance.
+    Reference(Work),
     /// Finding the cells of the band, among so many.
     Band(Work),
     /// Sampling Phi at the nodes.
     Distance(Work),
     /// Integrating V at the nodes.
     Volume(Work),
+}
+
+impl Stage {
+    /// Name for a list of times.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Stage::Reference(_) => "reference",
+            Stage::Band(_) => "band",
+            Stage::Distance(_) => "distance",
+            Stage::Volume(_) => "volume",
+        }
+    }
 }
 
 /// Computes both fields of the signed distance `phi` (metres, 1-Lipschitz, negative inside the solid). `enter` is
@@ -55,7 +69,13 @@ pub fn compute_maps(
 
     let work = Work::new(found_nodes.count() as u64);
     enter(Stage::Distance(work.clone()));
-    let field = DistanceField::new(distance_grid, &found, &found_nodes, plan.exterior, values(&distance_grid, &found_nodes, phi, &work));
+    let field = DistanceField::new(
+        distance_grid,
+        &found,
+        &found_nodes,
+        plan.exterior,
+        values(&distance_grid, &found_nodes, phi, &work),
+    );
     let (cells, nodes) = match plan.margin == UVec3::ZERO {
         true => (found, found_nodes),
         false => cropped_cells(plan, &found)?,

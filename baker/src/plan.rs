@@ -17,6 +17,9 @@ pub enum GridChoice {
     Resolution([u32; 3]),
     /// Cubes of this edge, metres; the domain grows to whole cells.
     CellSize(f64),
+    /// The largest cubes whose map is this exact, as a part of the full ball's volume: [`crate::tolerance`] finds them.
+    /// A plan of its own takes them as [`GridChoice::FromRadius`].
+    Tolerance(f64),
 }
 
 /// Precision of the stored fields.
@@ -228,7 +231,7 @@ fn domain(needed: [DVec3; 2], settings: &Settings) -> Result<[DVec3; 2], Error> 
 fn grid(low: DVec3, high: DVec3, support_radius: f64, settings: &Settings) -> Result<Grid, Error> {
     let extent = high - low;
     let (option, edge) = match settings.grid {
-        GridChoice::FromRadius => ("--support-radius", 0.5 * support_radius),
+        GridChoice::FromRadius | GridChoice::Tolerance(_) => ("--support-radius", 0.5 * support_radius),
         GridChoice::CellSize(edge) => ("--cell-size", edge),
         GridChoice::Resolution(cells) => {
             let resolution = UVec3::from(cells);

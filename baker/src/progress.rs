@@ -113,6 +113,7 @@ fn bar(name: &'static str, work: Option<&Work>) -> ProgressBar {
 fn describe(step: Step) -> (&'static str, Option<Work>) {
     match step {
         Step::Mesh => ("examining the mesh", None),
+        Step::Field(Stage::Reference(work)) => ("measuring the exact volume", Some(work)),
         Step::Field(Stage::Band(work)) => ("finding the band", Some(work)),
         Step::Field(Stage::Distance(work)) => ("sampling the distance", Some(work)),
         Step::Field(Stage::Volume(work)) => ("integrating the volume", Some(work)),

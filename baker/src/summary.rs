@@ -1,6 +1,7 @@
 //! The summary of a bake, as a person reads it.
 
 use crate::bake::{CellCounts, Summary};
+use crate::tolerance::{Found, percent as part};
 use std::fmt::{self, Display, Formatter};
 use volmap_formats::mesh::Placement;
 
@@ -39,6 +40,9 @@ impl Display for Summary {
             thousands(all),
             percent(band, all)
         )?;
+        if let Some(found) = &self.tolerance {
+            writeln!(f, "tolerance  {}", found_cells(found))?;
+        }
         let [dense, sparse] = self.field_bytes;
         writeln!(f, "memory     {} dense, {} sparse", bytes(dense), bytes(sparse))?;
         let stages: Vec<String> =
@@ -138,6 +142,22 @@ impl Summary {
         }
         parts.join(", ")
     }
+}
+
+/// What the search for the tolerance found.
+fn found_cells(found: &Found) -> String {
+    let tried: Vec<String> =
+        found.tried.iter().map(|(cell, max)| format!("{} m: {}", digits(*cell), part(*max))).collect();
+    format!(
+        "{} of the ball: largest error {} at {} points of the fluid, rms {}, against {} on the exact distance\n           \
+         tried {}",
+        part(found.tolerance),
+        part(found.error.max),
+        thousands(found.error.points as u64),
+        part(found.error.rms),
+        found.reference,
+        tried.join(", ")
+    )
 }
 
 fn edges([x, y, z]: [f64; 3]) -> String {

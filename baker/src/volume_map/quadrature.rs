@@ -29,7 +29,7 @@ pub enum Rule {
 
 impl Default for Rule {
     fn default() -> Self {
-        Rule::GaussLegendre(30)
+        Rule::Chord(8)
     }
 }
 
@@ -96,7 +96,9 @@ impl FromStr for Rule {
         } else if let Some(digits) = text.strip_prefix("chord") {
             number(digits, MAX_BALL).map(Rule::Chord)
         } else {
-            Err(format!("`{text}` is no quadrature; take gl<order>, as gl30, chord<n>, as chord8, or ball<n>, as ball8"))
+            Err(format!(
+                "`{text}` is no quadrature; take gl<order>, as gl30, chord<n>, as chord8, or ball<n>, as ball8"
+            ))
         }
     }
 }
@@ -334,7 +336,8 @@ mod tests {
     #[test]
     fn rules_of_the_ball_are_exact_to_their_degree() {
         // The integral of x^a y^b z^c over the unit ball, a, b, c even: Folland 2001.
-        let gamma_half = |k: i32| (1..k).filter(|i| (i + k) % 2 == 0).map(|i| f64::from(i) / 2.0).product::<f64>();
+        let gamma_half =
+            |k: i32| (1..k).filter(|i| (i + k) % 2 == 0).map(|i| f64::from(i) / 2.0).product::<f64>();
         let root_pi = |k: i32| if k % 2 == 1 { PI.sqrt() } else { 1.0 };
         let gamma = |k: i32| gamma_half(k) * root_pi(k);
         let exact = |[a, b, c]: [i32; 3]| {

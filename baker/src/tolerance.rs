@@ -1,0 +1,285 @@
+//! The coarsest cells whose map is as exact as asked for, found by measuring.
+//!
+//! At random points of the fluid near the surface, Eq. 12 of Bender et al. 2020 is integrated once on the exact
+//! distance by a rule far finer than the tolerance. Maps of ever smaller cells are then compared with it there. So
+//! the error is that of the whole map: of Phi and V on the elements, and of the rule.
+
+use crate::error::Error;
+use crate::maps::{Maps, Stage, compute_maps};
+use crate::plan::{Extent, GridChoice, Plan, Settings, plan};
+use crate::sdf::SignedDistance;
+use crate::volume_map::extension::extension;
+use crate::volume_map::quadrature::{Point, Rule};
+use crate::work::Work;
+use glam::DVec3;
+use rayon::prelude::*;
+use std::f64::consts::PI;
+use volmap_formats::mesh::TriangleMesh;
+use volmap_runtime::serendipity::shape;
+use volmap_runtime::{Cell, CellIndex};
+
+/// Points at which the error is measured.
+const POINTS: usize = 1000;
+/// Points that are tried for each, at most.
+const TRIES: usize = 100;
+/// The coarsest cells that are tried, in support radii.
+const COARSEST: f64 = 2.0;
+/// Cells of one try to the next.
+const STEP: f64 = std::f64::consts::FRAC_1_SQRT_2;
+/// Tolerances that can be asked for: parts of the full ball.
+pub const TOLERANCES: [f64; 2] = [5e-4, 0.5];
+/// From this tolerance on the coarser reference is fine enough: its own error is 0.06 % of the ball, the other's 0.02 %.
+const COARSE_FROM: f64 = 5e-3;
+
+/// What was found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Found {
+    /// What was asked for, as a part of the full ball.
+    pub tolerance: f64,
+    /// Edge of the cells, metres.
+    pub cell_size: f64,
+    /// Measured error at these cells.
+    pub error: MeasuredError,
+    /// Cells that were tried and their largest error, in order.
+    pub tried: Vec<(f64, f64)>,
+    /// The rule of the reference.
+    pub reference: Rule,
+}
+
+/// Error of a map's volume as parts of the full ball.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeasuredError {
+    /// Largest of all points.
+    pub max: f64,
+    /// Root of the mean square.
+    pub rms: f64,
+    /// Number of points.
+    pub points: usize,
+}
+
+/// A solid whose cells are to be chosen.
+pub struct Problem<'a, D> {
+    /// The surface.
+    pub mesh: &'a TriangleMesh,
+    /// Its box and area.
+    pub extent: &'a Extent,
+    /// Its signed distance.
+    pub phi: &'a D,
+}
+
+/// Finds the cells, and the maps with them. `enter` is called at the beginning of each stage of each try.
+///
+/// # Errors
+/// A tolerance that the rule or the memory can't reach; otherwise as [`plan`] and [`compute_maps`].
+pub fn search<D: SignedDistance>(
+    problem: &Problem<D>,
+    settings: &Settings,
+    tolerance: f64,
+    enter: &mut dyn FnMut(Stage),
+) -> Result<(Plan, Maps, Found), Error> {
+    let coarse = with_cells(settings, 1.0, problem.extent)?;
+    let work = Work::new(2 * POINTS as u64);
+    enter(Stage::Reference(work.clone()));
+    let reference = Reference::new(problem, settings, (&coarse, tolerance), &work)?;
+    reference.check_rule(problem.phi, settings.rule, tolerance, &work)?;
+    let mut attempt = |cell_size: f64| -> Result<(Plan, Maps, MeasuredError), Error> {
+        let plan = with_cells(settings, cell_size / coarse.support_radius, problem.extent)?;
+        let maps = compute_maps(&plan, settings.rule, problem.phi, enter)?;
+        let error = reference.error(&plan, &maps, settings.rule);
+        Ok((plan, maps, error))
+    };
+    let mut tried = Vec::new();
+    let mut cell_size = COARSEST * coarse.support_radius;
+    let mut best = loop {
+        let found = attempt(cell_size).map_err(|error| out_of_reach(error, tolerance, &tried))?;
+        tried.push((cell_size, found.2.max));
+        if found.2.max <= tolerance {
+            break (cell_size, found);
+        }
+        cell_size *= STEP;
+    };
+    // Between the last failure and the first success there may be coarser cells that do.
+    if tried.len() > 1 {
+        let between = best.0 / STEP.sqrt();
+        let found = attempt(between)?;
+        tried.push((between, found.2.max));
+        if found.2.max <= tolerance {
+            best = (between, found);
+        }
+    }
+    let (cell_size, (plan, maps, error)) = best;
+    Ok((plan, maps, Found { tolerance, cell_size, error, tried, reference: reference.rule }))
+}
+
+/// The plan with cubic cells of this edge in support radii.
+fn with_cells(settings: &Settings, cells: f64, extent: &Extent) -> Result<Plan, Error> {
+    let radius =
+        plan(extent, &Settings { grid: GridChoice::FromRadius, max_memory: u64::MAX, ..settings.clone() })?
+            .support_radius;
+    plan(extent, &Settings { grid: GridChoice::CellSize(cells * radius), ..settings.clone() })
+}
+
+fn out_of_reach(error: Error, tolerance: f64, tried: &[(f64, f64)]) -> Error {
+    match (error, tried.last()) {
+        (Error::Memory { needed, allowed }, Some((cell, max))) => Error::setting(
+            "--tolerance",
+            format!(
+                "{} needs cells smaller than {cell:.4} m, which leave an error of {}; the next would need {} MiB, \
+                 more than --max-memory {} MiB; allow more, or take a larger tolerance",
+                percent(tolerance),
+                percent(*max),
+                needed >> 20,
+                allowed >> 20
+            ),
+        ),
+        (error, _) => error,
+    }
+}
+
+/// A part of the ball, for people.
+pub fn percent(part: f64) -> String {
+    format!("{:.2} %", 100.0 * part)
+}
+
+/// Points and the volume there, on the exact distance.
+struct Reference {
+    rule: Rule,
+    radius: f64,
+    points: Vec<DVec3>,
+    volumes: Vec<f64>,
+}
+
+impl Reference {
+    fn new<D: SignedDistance>(
+        problem: &Problem<D>,
+        settings: &Settings,
+        (plan, tolerance): (&Plan, f64),
+        work: &Work,
+    ) -> Result<Reference, Error> {
+        let points = fluid_points(problem, settings, plan);
+        if points.is_empty() {
+            let reason =
+                "no fluid was found near the surface to measure the error in; check --invert and --domain";
+            return Err(Error::setting("--tolerance", reason));
+        }
+        let rule = Rule::Chord(if tolerance >= COARSE_FROM { 12 } else { 20 });
+        let radius = plan.support_radius;
+        let volumes = integrals(problem.phi, &rule.points(), radius, &points, work);
+        Ok(Reference { rule, radius, points, volumes })
+    }
+
+    /// Refuses a tolerance below the error that the rule makes on the exact distance already.
+    fn check_rule(
+        &self,
+        phi: &impl SignedDistance,
+        rule: Rule,
+        tolerance: f64,
+        work: &Work,
+    ) -> Result<(), Error> {
+        let volumes = integrals(phi, &rule.points(), self.radius, &self.points, work);
+        let error = self.measured(volumes.into_iter());
+        if error.max <= tolerance {
+            return Ok(());
+        }
+        let reason = format!(
+            "the quadrature {rule} itself is wrong by up to {} of the ball; take a finer one, as --quadrature chord12 \
+             or chord16, or a larger tolerance",
+            percent(error.max)
+        );
+        Err(Error::setting("--tolerance", reason))
+    }
+
+    fn error(&self, plan: &Plan, maps: &Maps, rule: Rule) -> MeasuredError {
+        let cells = CellIndex::new(plan.grid.resolution, &maps.cells.band, &maps.cells.solid, &maps.nodes);
+        let value = |x: &DVec3| {
+            let Some(at) = plan.grid.locate(*x) else { return 0.0 };
+            match cells.find(at.cell) {
+                Cell::Fluid => 0.0,
+                Cell::Solid => rule.ball_volume(self.radius),
+                Cell::Band(numbers) => {
+                    let terms = shape(at.xi).into_iter().zip(numbers.all());
+                    terms.map(|(n, number)| n * maps.volume[number as usize]).sum()
+                }
+            }
+        };
+        self.measured(self.points.iter().map(value))
+    }
+
+    fn measured(&self, volumes: impl Iterator<Item = f64>) -> MeasuredError {
+        let ball = 4.0 / 3.0 * PI * self.radius.powi(3);
+        let errors = volumes.zip(&self.volumes).map(|(found, exact)| (found - exact).abs() / ball);
+        let (max, squares) =
+            errors.fold((0.0f64, 0.0), |(max, sum), error| (max.max(error), sum + error * error));
+        MeasuredError { max, rms: (squares / self.points.len() as f64).sqrt(), points: self.points.len() }
+    }
+}
+
+/// Eq. 12 on the exact distance; each point counts as work.
+fn integrals(
+    phi: &impl SignedDistance,
+    rule: &[Point],
+    radius: f64,
+    points: &[DVec3],
+    work: &Work,
+) -> Vec<f64> {
+    let integral = |x: &DVec3| {
+        let mut known = None;
+        let mut term =
+            |p: &Point| p.weight * extension(phi.near(*x + radius * p.position, &mut known), 1.0 / radius);
+        let sum: f64 = rule.iter().map(&mut term).sum();
+        work.add(1);
+        radius.powi(3) * sum
+    };
+    points.par_iter().map(integral).collect()
+}
+
+/// Points with 0 < Phi < 2 r, in any direction from points spread over the surface by area.
+fn fluid_points<D: SignedDistance>(problem: &Problem<D>, settings: &Settings, plan: &Plan) -> Vec<DVec3> {
+    let corners = |triangle: &[u32; 3]| triangle.map(|v| DVec3::from(problem.mesh.vertices[v as usize]));
+    let mut sum = 0.0;
+    let summed: Vec<f64> = problem
+        .mesh
+        .triangles
+        .iter()
+        .map(|triangle| {
+            let [a, b, c] = corners(triangle);
+            sum += (b - a).cross(c - a).length();
+            sum
+        })
+        .collect();
+    let mut random = Random(0x9E3779B97F4A7C15);
+    let reach = plan.band_width + settings.thickness.abs();
+    let mut point = || {
+        let area = random.unit() * sum;
+        let triangle = summed.partition_point(|&s| s <= area).min(summed.len() - 1);
+        let [a, b, c] = corners(&problem.mesh.triangles[triangle]);
+        let (u, v) = (random.unit(), random.unit());
+        let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+        let cosine = 2.0 * random.unit() - 1.0;
+        let (sin, cos) = (2.0 * PI * random.unit()).sin_cos();
+        let across = (1.0 - cosine * cosine).sqrt();
+        a + (b - a) * u
+            + (c - a) * v
+            + DVec3::new(across * cos, across * sin, cosine) * (reach * random.unit())
+    };
+    let candidates: Vec<DVec3> = (0..TRIES * POINTS).map(|_| point()).collect();
+    let (low, high) = (plan.grid.origin, plan.grid.max_corner());
+    let is_near = |x: &&DVec3| {
+        let phi = || problem.phi.at(**x);
+        x.cmpge(low).all() && x.cmple(high).all() && (0.0..plan.band_width).contains(&phi())
+    };
+    candidates.iter().filter(is_near).take(POINTS).copied().collect()
+}
+
+/// xorshift64* (Marsaglia 2003, Vigna 2016).
+struct Random(u64);
+
+impl Random {
+    /// A number in [0, 1).
+    fn unit(&mut self) -> f64 {
+        self.0 ^= self.0 >> 12;
+        self.0 ^= self.0 << 25;
+        self.0 ^= self.0 >> 27;
+        (self.0.wrapping_mul(0x2545F4914F6CDD1D) >> 11) as f64 / (1u64 << 53) as f64
+    }
+}
