@@ -1,6 +1,7 @@
 //! From settings to a grid: support radius, domain, cells, and what the bake will cost, before any of it is done.
 
 use crate::error::Error;
+use crate::volume_map::lattice::MAX_REACH;
 use crate::volume_map::quadrature::Rule;
 use glam::{DVec3, UVec3};
 use std::f64::consts::PI;
@@ -137,6 +138,7 @@ pub fn plan(extent: &Extent, settings: &Settings) -> Result<Plan, Error> {
     let [low, high] = domain(needed, settings)?;
     let grid = grid(low, high, support_radius, settings)?;
     check_precision(&grid)?;
+    check_reach(&grid, support_radius)?;
     let cut = cut(&grid, needed);
     let cuts = cut[0].max_element().max(cut[1].max_element()) > 0.0;
     let margin = if cuts { margin(&grid, support_radius)? } else { UVec3::ZERO };
@@ -260,6 +262,18 @@ fn check_precision(grid: &Grid) -> Result<(), Error> {
          to the origin (--translate) or check --domain, --padding and --thickness"
     );
     Err(Error::setting("--domain", reason))
+}
+
+fn check_reach(grid: &Grid, support_radius: f64) -> Result<(), Error> {
+    let cells = support_radius / grid.cell_size.min_element();
+    if cells <= MAX_REACH {
+        return Ok(());
+    }
+    let reason = format!(
+        "the cells are {cells:.0} times smaller than the support radius, more than {MAX_REACH:.0} times; take larger \
+         cells (some 2 to 4 to the radius suffice), or a smaller --support-radius"
+    );
+    Err(Error::setting("--cell-size or --resolution", reason))
 }
 
 fn check_resolution(option: &'static str, cells: DVec3) -> Result<(), Error> {

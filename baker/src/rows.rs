@@ -38,21 +38,25 @@ pub fn fill_rows<S>(
     fill: impl Fn(&mut S, NodeRow, &mut [f64]) + Sync + Send,
 ) -> Vec<f64> {
     let mut values = vec![0.0; nodes.count()];
-    let rows = rows_of(nodes, &mut values).into_par_iter();
+    let rows = rows_of(nodes, u32::MAX, &mut values).into_par_iter();
     rows.for_each_init(init, |state, (row, own)| fill(state, row, own));
     values
 }
 
-/// All rows of nodes, with their part of the values.
-fn rows_of<'a>(nodes: &Nodes, values: &'a mut [f64]) -> Vec<(NodeRow, &'a mut [f64])> {
+/// All rows of nodes, with their part of the values; cut at multiples of `longest` lattice points.
+fn rows_of<'a>(nodes: &Nodes, longest: u32, values: &'a mut [f64]) -> Vec<(NodeRow, &'a mut [f64])> {
     let mut rest = values;
     let mut rows = Vec::new();
     for family in Family::ALL {
         for (j, k, interval) in nodes.intervals(family) {
-            let row = NodeRow { family, first: interval.first, end: interval.end, j, k };
-            let length = (row.end - row.first) * family.nodes_per_point();
-            let own = rest.split_off_mut(..length as usize).expect("the intervals hold all nodes");
-            rows.push((row, own));
+            let mut first = interval.first;
+            while first < interval.end {
+                let end = interval.end.min((first / longest + 1).saturating_mul(longest));
+                let length = (end - first) * family.nodes_per_point();
+                let own = rest.split_off_mut(..length as usize).expect("the intervals hold all nodes");
+                rows.push((NodeRow { family, first, end, j, k }, own));
+                first = end;
+            }
         }
     }
     rows
@@ -72,18 +76,22 @@ pub struct RowCluster<'a> {
     pub rows: Vec<(NodeRow, &'a mut [f64])>,
 }
 
-/// Calls `fill` for every cluster of rows, on all threads, with what `init` makes once per thread.
+/// Calls `fill` for every cluster of rows of up to `longest` lattice points, on all threads, with what `init` makes
+/// once per thread or more often.
 pub fn fill_clusters<S>(
     nodes: &Nodes,
+    longest: u32,
     init: impl Fn() -> S + Sync + Send,
     fill: impl Fn(&mut S, &mut RowCluster) + Sync + Send,
 ) -> Vec<f64> {
     let mut values = vec![0.0; nodes.count()];
-    let mut rows = rows_of(nodes, &mut values);
+    let mut rows = rows_of(nodes, longest, &mut values);
     rows.sort_unstable_by_key(|(row, _)| (row.k, row.j, row.first, row.family as u32));
     let mut clusters: Vec<RowCluster> = Vec::new();
     for (row, own) in rows {
-        match clusters.last_mut().filter(|c| (c.k, c.j) == (row.k, row.j) && row.first <= c.end) {
+        match clusters.last_mut().filter(|c| {
+            (c.k, c.j) == (row.k, row.j) && row.first <= c.end && row.first / longest == c.first / longest
+        }) {
             Some(cluster) => {
                 cluster.end = cluster.end.max(row.end);
                 cluster.rows.push((row, own));

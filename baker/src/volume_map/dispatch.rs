@@ -1,29 +1,30 @@
 //! The kernel compiled for vectors with fused multiply-add, chosen at run time.
 //!
-//! The only unsafe code of the volume map: calling a function that was compiled for a processor feature. Each call
+//! The only unsafe code of the baker: calling a function that was compiled for a processor feature. Each call
 //! stands behind the test for that feature. Without it (x86-64 before 2013) the multiply-adds are library calls: slow,
 //! and with the same bits. Other processors have them in their baseline, as aarch64 does.
 #![allow(unsafe_code)]
 
 use super::kernel::{self, Group, Window};
 
-/// The kernel for this processor.
+/// The kernel for a processor, for windows of up to `S` cells.
 #[derive(Clone, Copy, Debug)]
-pub struct Kernel {
+pub struct Kernel<const S: usize> {
     /// [`kernel::accumulate`].
-    pub accumulate: fn(&[Group], &Window, i32, &mut [f64]),
+    pub accumulate: fn(&[Group], &Window<S>, i32, &mut [f64]),
     /// [`kernel::to_monomials`].
-    pub to_monomials: fn(&mut Window),
+    pub to_monomials: fn(&mut Window<S>),
     /// [`kernel::classify`].
-    pub classify: fn(&mut Window),
+    pub classify: fn(&mut Window<S>),
 }
 
 /// The kernel for the baseline: the scalar twin.
-pub const PORTABLE: Kernel =
-    Kernel { accumulate: kernel::accumulate, to_monomials: kernel::to_monomials, classify: kernel::classify };
+pub fn portable<const S: usize>() -> Kernel<S> {
+    Kernel { accumulate: kernel::accumulate, to_monomials: kernel::to_monomials, classify: kernel::classify }
+}
 
 /// The fastest kernel that this processor can run.
-pub fn kernel() -> Kernel {
+pub fn kernel<const S: usize>() -> Kernel<S> {
     #[cfg(target_arch = "x86_64")]
     if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
         // SAFETY: this processor has AVX2 and FMA.
@@ -33,23 +34,23 @@ pub fn kernel() -> Kernel {
             classify: |window| unsafe { classify(window) },
         };
     }
-    PORTABLE
+    portable()
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
-fn accumulate(groups: &[Group], window: &Window, first: i32, sums: &mut [f64]) {
+fn accumulate<const S: usize>(groups: &[Group], window: &Window<S>, first: i32, sums: &mut [f64]) {
     kernel::accumulate(groups, window, first, sums)
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
-fn to_monomials(window: &mut Window) {
+fn to_monomials<const S: usize>(window: &mut Window<S>) {
     kernel::to_monomials(window)
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
-fn classify(window: &mut Window) {
+fn classify<const S: usize>(window: &mut Window<S>) {
     kernel::classify(window)
 }

@@ -59,28 +59,34 @@ pub enum Content {
     Mixed,
 }
 
-/// A row of cells along x: their contents and polynomials, monomial by monomial.
-#[derive(Clone, Debug, Default)]
-pub struct Window {
+/// Up to `S` cells in a row along x: their contents and polynomials, monomial by monomial. As `S`, a multiple of
+/// [`LANES`], is known to the compiler, so are the places of all monomials.
+#[derive(Clone, Debug)]
+pub struct Window<const S: usize> {
     /// Per cell, what it holds.
-    pub contents: Vec<u8>,
-    /// Per monomial (or node, before [`to_monomials`]), [`Window::stride`] cells.
-    pub values: Vec<f64>,
-    /// Cells, rounded up to whole [`LANES`].
-    pub stride: usize,
+    pub contents: Box<[u8; S]>,
+    /// Per monomial (or node, before [`to_monomials`]), a number for each cell.
+    pub values: Box<[[f64; S]; NODES]>,
+    /// Cells in use.
+    pub width: usize,
+}
+
+impl<const S: usize> Default for Window<S> {
+    fn default() -> Self {
+        Window { contents: Box::new([Content::Zero as u8; S]), values: Box::new([[0.0; S]; NODES]), width: 0 }
+    }
 }
 
 /// Adds the integrals over a row of cells to the sums of the nodes: `sums[n]` gets, for each group, its integral over
 /// cell `first + step + n` of the window.
 #[inline(always)]
-pub fn accumulate(groups: &[Group], window: &Window, first: i32, sums: &mut [f64]) {
+pub fn accumulate<const S: usize>(groups: &[Group], window: &Window<S>, first: i32, sums: &mut [f64]) {
     const ZERO: [u8; LANES] = [Content::Zero as u8; LANES];
     const ONE: [u8; LANES] = [Content::One as u8; LANES];
-    let mut cells = Cells::new(window, 0);
     for group in groups {
         let start = (first + group.step) as usize;
         for (chunk, sums) in sums.as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
-            cells.cell = start + chunk * LANES;
+            let cells = Cells { values: &window.values, cell: start + chunk * LANES };
             let contents = &window.contents[cells.cell..][..LANES];
             if contents == ZERO {
                 continue;
@@ -98,33 +104,22 @@ pub fn accumulate(groups: &[Group], window: &Window, first: i32, sums: &mut [f64
 
 /// The integral of gamma* over a group where it is 1, by the same operations as elsewhere.
 pub fn total(group: &Group) -> f64 {
-    let mut values = vec![0.0; NODES * LANES];
-    values[..LANES].fill(1.0);
-    integrate(group, &Cells::new(&Window { values, stride: LANES, ..Window::default() }, 0)).0[0]
+    let mut values = [[0.0; LANES]; NODES];
+    values[BASE] = [1.0; LANES];
+    integrate(group, &Cells { values: &values, cell: 0 }).0[0]
 }
 
 /// [`LANES`] cells of a window.
-struct Cells<'a> {
-    /// Per monomial or node, all cells of the window.
-    rows: [&'a [f64]; NODES],
+struct Cells<'a, const S: usize> {
+    values: &'a [[f64; S]; NODES],
     cell: usize,
 }
 
-impl<'a> Cells<'a> {
-    #[inline(always)]
-    fn new(window: &'a Window, cell: usize) -> Cells<'a> {
-        // All of one length, so that one test of bounds serves all.
-        let mut rows = [[].as_slice(); NODES];
-        for (row, values) in rows.iter_mut().zip(window.values.chunks_exact(window.stride)) {
-            *row = values;
-        }
-        Cells { rows, cell }
-    }
-
+impl<const S: usize> Cells<'_, S> {
     #[inline(always)]
     fn get(&self, a: usize) -> Lanes {
         let mut out = Lanes::default();
-        out.0.copy_from_slice(&self.rows[a][self.cell..][..LANES]);
+        out.0.copy_from_slice(&self.values[a][self.cell..][..LANES]);
         out
     }
 }
@@ -132,7 +127,7 @@ impl<'a> Cells<'a> {
 /// Weighted sum of gamma* over the points of the group. With a = clamp(s, 0, 1), gamma* is 2 a^3 - 8 (a - 1/2)_+^3:
 /// Eq. 13 of Bender et al. 2020 in truncated powers.
 #[inline(always)]
-fn integrate(group: &Group, cells: &Cells) -> Lanes {
+fn integrate<const S: usize>(group: &Group, cells: &Cells<S>) -> Lanes {
     let (mut outer, mut inner) = (Lanes::default(), Lanes::default());
     let (mut lines, mut points) = (group.lines.iter(), group.points.as_slice());
     for &(y, line_count) in &group.planes {
@@ -164,7 +159,7 @@ struct Plane {
 
 impl Plane {
     #[inline(always)]
-    fn new(m: &Cells, y: f64) -> Plane {
+    fn new<const S: usize>(m: &Cells<S>, y: f64) -> Plane {
         let mut plane = Plane::default();
         for at in 0..4 {
             let (a, c) = (at & 1, at >> 1);
@@ -287,11 +282,11 @@ fn max(a: f64, b: f64) -> f64 {
 
 /// Turns the values of s at the cells' nodes into coefficients of the monomials, in place.
 #[inline(always)]
-pub fn to_monomials(window: &mut Window) {
-    for cell in (0..window.stride).step_by(LANES) {
-        let monomials = monomials(&Cells::new(window, cell));
+pub fn to_monomials<const S: usize>(window: &mut Window<S>) {
+    for cell in (0..window.width).step_by(LANES) {
+        let monomials = monomials(&Cells { values: &window.values, cell });
         for (a, monomial) in monomials.iter().enumerate() {
-            window.values[a * window.stride + cell..][..LANES].copy_from_slice(&monomial.0);
+            window.values[a][cell..][..LANES].copy_from_slice(&monomial.0);
         }
     }
 }
@@ -299,7 +294,7 @@ pub fn to_monomials(window: &mut Window) {
 /// Corners: (1 +- x)(1 +- y)(1 +- z)(9 (x^2 + y^2 + z^2) - 19) / 64. Edges along x: the sum P and difference Q of the
 /// two nodes' values give (1 - x^2)(P + Q x) (1 +- y)(1 +- z), factors 9/64 and 27/64; along y and z alike.
 #[inline(always)]
-fn monomials(nodes: &Cells) -> [Lanes; NODES] {
+fn monomials<const S: usize>(nodes: &Cells<S>) -> [Lanes; NODES] {
     let mut corner = [Lanes::default(); 8];
     let mut out = [Lanes::default(); NODES];
     for i in 0..8 {
@@ -354,9 +349,9 @@ fn hadamard<const N: usize>(values: &mut [Lanes; N], axis: usize) {
 
 /// What gamma* is in each cell of a window of monomials: every monomial is within [-1, 1], squares within [0, 1].
 #[inline(always)]
-pub fn classify(window: &mut Window) {
-    for cell in (0..window.stride).step_by(LANES) {
-        let cells = Cells::new(window, cell);
+pub fn classify<const S: usize>(window: &mut Window<S>) {
+    for cell in (0..window.width).step_by(LANES) {
+        let cells = Cells { values: &window.values, cell };
         let (mut low, mut high) = (cells.get(BASE), cells.get(BASE));
         for a in 1..NODES {
             let term = cells.get(a);
@@ -396,15 +391,17 @@ mod tests {
         }
     }
 
-    fn window(width: usize, value: impl Fn(usize, usize) -> f64) -> Window {
-        let stride = width.next_multiple_of(LANES);
-        let mut window = Window { stride, contents: vec![Content::Mixed as u8; stride], ..Window::default() };
-        window.values = (0..NODES * stride).map(|i| value(i % stride, i / stride)).collect();
+    fn window(width: usize, value: impl Fn(usize, usize) -> f64) -> Window<24> {
+        let mut window = Window { width, ..Window::default() };
+        window.contents.fill(Content::Mixed as u8);
+        for (a, row) in window.values.iter_mut().enumerate() {
+            row[..width].iter_mut().enumerate().for_each(|(cell, v)| *v = value(cell, a));
+        }
         window
     }
 
     /// s at a point of a cell, by the monomials as the head of this file lists them.
-    fn evaluate(window: &Window, cell: usize, p: [f64; 3]) -> f64 {
+    fn evaluate(window: &Window<24>, cell: usize, p: [f64; 3]) -> f64 {
         let powers = |i: usize| match i {
             0..8 => [i & 1, i >> 1 & 1, i >> 2],
             _ => {
@@ -416,7 +413,7 @@ mod tests {
             }
         };
         let term = |i: usize| (0..3).map(|a| p[a].powi(powers(i)[a] as i32)).product::<f64>();
-        (0..NODES).map(|i| window.values[i * window.stride + cell] * term(i)).sum()
+        (0..NODES).map(|i| window.values[i][cell] * term(i)).sum()
     }
 
     #[test]
@@ -443,9 +440,9 @@ mod tests {
             let mut cells = window(4, |_, a| node(a).dot(DVec3::new(1.0, 2.0, -0.5)) + offset);
             to_monomials(&mut cells);
             // Rounding of the highest value, 0, may show.
-            cells.values[..4].iter_mut().for_each(|base| *base -= 1e-12);
+            cells.values[0].iter_mut().for_each(|base| *base -= 1e-12);
             classify(&mut cells);
-            assert_eq!(cells.contents, [expected as u8; 4], "{offset}");
+            assert_eq!(cells.contents[..4], [expected as u8; 4], "{offset}");
         }
     }
 
@@ -524,7 +521,7 @@ mod tests {
         let mut random = Random(5);
         let groups: Vec<Group> = (0..5).map(|_| group(&mut random)).collect();
         let values: Vec<f64> = (0..NODES * 24).map(|_| 0.5 + 0.8 * random.next()).collect();
-        let run = |kernel: dispatch::Kernel| {
+        let run = |kernel: dispatch::Kernel<24>| {
             let mut cells = window(24, |cell, a| values[a * 24 + cell]);
             (kernel.to_monomials)(&mut cells);
             let mut sums = [0.0; 20];
@@ -532,10 +529,10 @@ mod tests {
             (kernel.classify)(&mut cells);
             (
                 cells.contents,
-                cells.values.iter().map(|v| v.to_bits()).collect::<Vec<_>>(),
+                cells.values.iter().flatten().map(|v| v.to_bits()).collect::<Vec<_>>(),
                 sums.map(f64::to_bits),
             )
         };
-        assert_eq!(run(dispatch::kernel()), run(dispatch::PORTABLE));
+        assert_eq!(run(dispatch::kernel()), run(dispatch::portable()));
     }
 }

@@ -30,41 +30,69 @@ struct RowOfCells {
 /// A rule laid out on a lattice of cells.
 pub struct LatticeRule {
     rows: Vec<RowOfCells>,
+    /// Cells along x that one node reaches, at most.
+    reach: usize,
     radius: f64,
-    kernel: Kernel,
 }
+
+/// Cells of a window: 16 KiB of polynomials, which stay in the first cache.
+const WINDOW: usize = 64;
+/// For support radii of very many cells.
+const WIDE_WINDOW: usize = 2048;
+/// Cells along x within the support radius of a node, at most.
+pub const MAX_REACH: f64 = 900.0;
 
 /// What a thread reuses from row to row.
 #[derive(Default)]
-struct Scratch {
-    window: Window,
+struct Scratch<const S: usize> {
+    window: Window<S>,
     /// Per node row and node of a lattice point, the sums so far.
     sums: Vec<Vec<f64>>,
 }
 
 impl LatticeRule {
-    /// Lays the rule's points (of the unit ball) out on cells of the given size; metres.
+    /// Lays the rule's points (of the unit ball) out on cells of the given size; metres. The radius may be up to
+    /// [`MAX_REACH`] cells.
     pub fn new(points: &[Point], radius: f64, cell_size: DVec3) -> LatticeRule {
-        LatticeRule { rows: rows(points, radius / cell_size), radius, kernel: dispatch::kernel() }
-    }
-
-    /// The same with the portable kernel, which is slow without multiply-adds in the processor's baseline.
-    pub fn portable(self) -> LatticeRule {
-        LatticeRule { kernel: dispatch::PORTABLE, ..self }
+        let rows = rows(points, radius / cell_size);
+        let reach =
+            rows.iter().map(|cells| (cells.steps[1] - cells.steps[0]) as usize + 1).max().unwrap_or(0);
+        LatticeRule { rows, reach, radius }
     }
 
     /// Boundary volume at every node, m^3. The nodes' lattice lies `shift` cells inside the field's grid.
     /// Each node counts as work.
     pub fn volumes(&self, field: &DistanceField, nodes: &Nodes, shift: UVec3, work: &Work) -> Vec<f64> {
-        let contents = contents(field, self.radius, &self.kernel);
+        let contents = contents(field, self.radius);
         let windows = FieldWindows { field, contents: &contents, inverse_radius: 1.0 / self.radius, shift };
-        fill_clusters(nodes, Scratch::default, |scratch, cluster| {
-            self.cluster(&windows, scratch, cluster);
+        match 2 * self.reach <= WINDOW {
+            true => self.volumes_by(&windows, nodes, dispatch::kernel::<WINDOW>(), work),
+            false => self.volumes_by(&windows, nodes, dispatch::kernel::<WIDE_WINDOW>(), work),
+        }
+    }
+
+    fn volumes_by<const S: usize>(
+        &self,
+        windows: &FieldWindows,
+        nodes: &Nodes,
+        kernel: Kernel<S>,
+        work: &Work,
+    ) -> Vec<f64> {
+        // A window holds what the nodes reach, and whole lanes.
+        let length = S - self.reach - 2 * kernel::LANES;
+        fill_clusters(nodes, length as u32, Scratch::default, |scratch, cluster| {
+            self.cluster(windows, scratch, cluster, &kernel);
             work.add(cluster.rows.iter().map(|(_, own)| own.len() as u64).sum());
         })
     }
 
-    fn cluster(&self, windows: &FieldWindows, scratch: &mut Scratch, cluster: &mut RowCluster) {
+    fn cluster<const S: usize>(
+        &self,
+        windows: &FieldWindows,
+        scratch: &mut Scratch<S>,
+        cluster: &mut RowCluster,
+        kernel: &Kernel<S>,
+    ) {
         let places = sum_places(cluster);
         scratch.sums.resize_with(scratch.sums.len().max(places.len()), Vec::new);
         for (sums, (row, _)) in scratch.sums.iter_mut().zip(&places) {
@@ -74,25 +102,25 @@ impl LatticeRule {
         for cells in &self.rows {
             let first = i64::from(cluster.first) + i64::from(cells.steps[0]);
             let width = (cluster.end - cluster.first) as usize + (cells.steps[1] - cells.steps[0]) as usize;
+            let width = (width + kernel::LANES).next_multiple_of(kernel::LANES);
             let at = [i64::from(cluster.j) + i64::from(cells.y), i64::from(cluster.k) + i64::from(cells.z)];
-            let uniform = windows.contents(first, at, width + kernel::LANES, &mut scratch.window);
-            match uniform {
+            match windows.contents(first, at, width, &mut scratch.window) {
                 Some(Content::Zero) => continue,
                 Some(_) => {}
-                None => windows.polynomials(first, at, &mut scratch.window, &self.kernel),
+                None => windows.polynomials(first, at, &mut scratch.window, kernel),
             }
             for (sums, &(row, t)) in scratch.sums.iter_mut().zip(&places) {
                 let groups = &cells.classes[row.family as usize][t];
                 let column = (row.first - cluster.first) as i32 - cells.steps[0];
-                (self.kernel.accumulate)(groups, &scratch.window, column, sums);
+                (kernel.accumulate)(groups, &scratch.window, column, sums);
             }
         }
-        self.write(scratch, cluster);
+        self.write(&scratch.sums, cluster);
     }
 
-    fn write(&self, scratch: &Scratch, cluster: &mut RowCluster) {
+    fn write(&self, sums: &[Vec<f64>], cluster: &mut RowCluster) {
         let cube = self.radius.powi(3);
-        let mut sums = scratch.sums.iter();
+        let mut sums = sums.iter();
         for (row, out) in &mut cluster.rows {
             let per_point = row.family.nodes_per_point() as usize;
             for (t, sums) in sums.by_ref().take(per_point).enumerate() {

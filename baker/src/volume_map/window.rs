@@ -1,13 +1,12 @@
 //! Rows of cells laid side by side: what gamma* is in each, and the polynomials of s = 1 - Phi / r.
 
-use super::dispatch::Kernel;
-use super::kernel::{Content, LANES, Window};
+use super::dispatch::{self, Kernel};
+use super::kernel::{Content, Window};
 use crate::sdf::field::DistanceField;
 use glam::UVec3;
 use rayon::prelude::*;
 use std::ops::Range;
 use volmap_formats::asset::Exterior;
-use volmap_runtime::serendipity::NODES;
 use volmap_runtime::{Cell, NodeNumbers};
 
 /// Rows of cells of a field.
@@ -26,14 +25,15 @@ pub struct FieldWindows<'a> {
 const CHUNK: usize = 64;
 
 /// What gamma* is in every stored cell of the field, by the cell's number.
-pub fn contents(field: &DistanceField, radius: f64, kernel: &Kernel) -> Vec<u8> {
+pub fn contents(field: &DistanceField, radius: f64) -> Vec<u8> {
     let cells: Vec<NodeNumbers> = field.cells.stored().collect();
     let mut out = vec![Content::Mixed as u8; cells.len()];
     let chunks = out.par_chunks_mut(CHUNK).zip(cells.par_chunks(CHUNK));
-    chunks.for_each_init(Window::default, |window, (out, cells)| {
-        window.reset(cells.len());
+    let kernel = dispatch::kernel();
+    chunks.for_each_init(Window::<CHUNK>::default, |window, (out, cells)| {
+        window.width = cells.len();
         for (column, numbers) in cells.iter().enumerate() {
-            window.set_cells(column, 1, numbers, &field.values, 1.0 / radius);
+            window.set_cells(column..column + 1, numbers, &field.values, 1.0 / radius);
         }
         (kernel.to_monomials)(window);
         (kernel.classify)(window);
@@ -45,41 +45,51 @@ pub fn contents(field: &DistanceField, radius: f64, kernel: &Kernel) -> Vec<u8> 
 impl FieldWindows<'_> {
     /// Sets the contents of `width` cells from `first` along x, in row (y, z); cells of the nodes' lattice. Returns
     /// what all of them hold, if that is one thing.
-    pub fn contents(&self, first: i64, row: [i64; 2], width: usize, window: &mut Window) -> Option<Content> {
-        window.reset(width);
-        window.contents.fill(self.elsewhere(row));
+    pub fn contents<const S: usize>(
+        &self,
+        first: i64,
+        row: [i64; 2],
+        width: usize,
+        window: &mut Window<S>,
+    ) -> Option<Content> {
+        window.width = width;
+        let own = &mut window.contents[..width];
+        own.fill(self.elsewhere(row));
         self.runs(first, row, width, |columns, cell| {
-            let own = &mut window.contents[columns];
+            let own = &mut own[columns];
             match cell {
                 Cell::Band(numbers) => own.copy_from_slice(&self.contents[numbers.cell()..][..own.len()]),
                 Cell::Solid => own.fill(Content::One as u8),
                 Cell::Fluid => own.fill(Content::Zero as u8),
             }
         });
-        self.fill_outside(first, row, window);
-        let first = window.contents[0];
-        match window.contents.iter().all(|content| *content == first) {
-            true if first == Content::Zero as u8 => Some(Content::Zero),
-            true if first == Content::One as u8 => Some(Content::One),
+        self.fill_outside(first, row, own);
+        let kind = own[0];
+        match own.iter().all(|content| *content == kind) {
+            true if kind == Content::Zero as u8 => Some(Content::Zero),
+            true if kind == Content::One as u8 => Some(Content::One),
             _ => None,
         }
     }
 
     /// Sets the polynomials of a window whose contents are set.
-    pub fn polynomials(&self, first: i64, row: [i64; 2], window: &mut Window, kernel: &Kernel) {
-        window.values.clear();
-        window.values.resize(NODES * window.stride, 0.0);
-        for column in 0..window.stride {
-            if window.contents[column] == Content::One as u8 {
-                (0..NODES).for_each(|a| window.values[a * window.stride + column] = 1.0);
-            }
-        }
-        self.runs(first, row, window.stride, |columns, cell| {
+    pub fn polynomials<const S: usize>(
+        &self,
+        first: i64,
+        row: [i64; 2],
+        window: &mut Window<S>,
+        kernel: &Kernel<S>,
+    ) {
+        let mut free = 0;
+        let width = window.width;
+        self.runs(first, row, width, |columns, cell| {
             if let Cell::Band(numbers) = cell {
-                let length = columns.len();
-                window.set_cells(columns.start, length, &numbers, &self.field.values, self.inverse_radius);
+                window.set_uniform(free..columns.start);
+                free = columns.end;
+                window.set_cells(columns, &numbers, &self.field.values, self.inverse_radius);
             }
         });
+        window.set_uniform(free..width);
         (kernel.to_monomials)(window);
     }
 
@@ -93,15 +103,15 @@ impl FieldWindows<'_> {
     }
 
     /// Columns before and behind the grid.
-    fn fill_outside(&self, first: i64, row: [i64; 2], window: &mut Window) {
+    fn fill_outside(&self, first: i64, row: [i64; 2], contents: &mut [u8]) {
         if self.field.exterior == Exterior::Fluid || self.row_in_grid(row).is_none() {
             return;
         }
         let (begin, end) = (-self.from(first), i64::from(self.field.grid.resolution.x) - self.from(first));
-        let columns = window.contents.len() as i64;
+        let columns = contents.len() as i64;
         let solid = Content::One as u8;
-        window.contents[..begin.clamp(0, columns) as usize].fill(solid);
-        window.contents[end.clamp(0, columns) as usize..].fill(solid);
+        contents[..begin.clamp(0, columns) as usize].fill(solid);
+        contents[end.clamp(0, columns) as usize..].fill(solid);
     }
 
     fn from(&self, first: i64) -> i64 {
@@ -135,28 +145,32 @@ impl FieldWindows<'_> {
     }
 }
 
-impl Window {
-    /// Makes room for `width` cells.
-    fn reset(&mut self, width: usize) {
-        self.stride = width.next_multiple_of(LANES);
-        self.contents.clear();
-        self.contents.resize(self.stride, Content::Zero as u8);
-        self.values.resize(NODES * self.stride, 0.0);
+impl<const S: usize> Window<S> {
+    /// Sets s at the nodes of consecutive cells of a run, of which `numbers` is the first.
+    fn set_cells(&mut self, columns: Range<usize>, numbers: &NodeNumbers, phi: &[f64], inverse_radius: f64) {
+        for (own, (number, step)) in self.values.iter_mut().zip(numbers.places()) {
+            let own = &mut own[columns.clone()];
+            let phi = &phi[number as usize..];
+            // Steps that the compiler knows.
+            match step {
+                1 => own.iter_mut().zip(phi).for_each(|(s, phi)| *s = 1.0 - phi * inverse_radius),
+                _ => own
+                    .iter_mut()
+                    .zip(phi.iter().step_by(2))
+                    .for_each(|(s, phi)| *s = 1.0 - phi * inverse_radius),
+            }
+        }
     }
 
-    /// Sets s at the nodes of consecutive cells of a run, of which `numbers` is the first.
-    fn set_cells(
-        &mut self,
-        column: usize,
-        count: usize,
-        numbers: &NodeNumbers,
-        phi: &[f64],
-        inverse_radius: f64,
-    ) {
-        for (a, (number, step)) in numbers.places().into_iter().enumerate() {
-            let own = &mut self.values[a * self.stride + column..][..count];
-            let phi = phi[number as usize..].iter().step_by(step as usize);
-            own.iter_mut().zip(phi).for_each(|(s, phi)| *s = 1.0 - phi * inverse_radius);
+    /// Sets s at the nodes of cells that are not stored: 0 in the fluid, 1 in the solid.
+    fn set_uniform(&mut self, columns: Range<usize>) {
+        if columns.is_empty() {
+            return;
+        }
+        for own in self.values.iter_mut() {
+            for column in columns.clone() {
+                own[column] = if self.contents[column] == Content::One as u8 { 1.0 } else { 0.0 };
+            }
         }
     }
 }
