@@ -67,7 +67,9 @@ pub struct WindingNumbers {
 impl WindingNumbers {
     /// Moments of all parts of the tree.
     pub fn new(bvh: &Bvh) -> WindingNumbers {
-        let expansions = (0..bvh.nodes.len()).into_par_iter().map(|node| expansion(bvh, node)).collect();
+        let moments = part_moments(bvh);
+        let node = |(node, moments): (usize, &[Moments; 4])| expansion(bvh, node, moments);
+        let expansions = moments.par_iter().enumerate().map(node).collect();
         WindingNumbers { expansions }
     }
 
@@ -152,7 +154,23 @@ impl Expansion {
     }
 }
 
-fn expansion(bvh: &Bvh, node: usize) -> Expansion {
+/// Moments of the four parts below each node, from the leaves up: those of a part are those of its parts, moved to its
+/// own centre.
+fn part_moments(bvh: &Bvh) -> Vec<[Moments; 4]> {
+    let mut all = vec![[Moments::default(); 4]; bvh.nodes.len()];
+    for node in (0..bvh.nodes.len()).rev() {
+        for slot in (0..4).filter(|&slot| bvh.ranges[node][slot].1 > 0) {
+            let child = bvh.nodes[node].child[slot];
+            all[node][slot] = match child & LEAF != 0 {
+                true => Moments::of_block(&bvh.blocks[(child & !LEAF) as usize], &bvh.frame),
+                false => Moments::of_parts(&all[child as usize]),
+            };
+        }
+    }
+    all
+}
+
+fn expansion(bvh: &Bvh, node: usize, moments: &[Moments; 4]) -> Expansion {
     let mut result = Expansion {
         centre: Vec4::splat(DVec3::ZERO),
         radius_squared: f64x4::ZERO,
@@ -162,64 +180,108 @@ fn expansion(bvh: &Bvh, node: usize) -> Expansion {
         quadratic: [f64x4::ZERO; 10],
     };
     for (slot, &(first, end)) in bvh.ranges[node].iter().enumerate().filter(|(_, range)| range.1 > 0) {
+        let part = &moments[slot];
         let blocks = &bvh.blocks[first as usize..end as usize];
-        let moments = Moments::new(blocks, &bvh.frame);
         result.used |= 1 << slot;
-        result.centre.set_lane(slot, moments.centre);
-        result.radius_squared.as_mut_array()[slot] = moments.radius_squared;
-        result.normal.set_lane(slot, moments.normal);
-        for (to, from) in result.linear.iter_mut().zip(moments.linear) {
+        result.centre.set_lane(slot, part.centre);
+        result.radius_squared.as_mut_array()[slot] = radius_squared(blocks, &bvh.frame, part.centre);
+        result.normal.set_lane(slot, part.normal);
+        for (to, from) in result.linear.iter_mut().zip(part.linear) {
             to.as_mut_array()[slot] = from;
         }
-        for (to, from) in result.quadratic.iter_mut().zip(moments.quadratic) {
+        for (to, from) in result.quadratic.iter_mut().zip(part.quadratic) {
             to.as_mut_array()[slot] = from;
         }
     }
     result
 }
 
-/// Moments of one part.
+/// Squared distance of the farthest corner from a centre.
+fn radius_squared(blocks: &[TriangleBlock], frame: &Frame, centre: DVec3) -> f64 {
+    let mut farthest = f64x4::ZERO;
+    let at = Vec4::splat(centre);
+    for corner in blocks.iter().flat_map(|block| local_corners(block, frame)) {
+        let d = corner - at;
+        farthest = farthest.fast_max(d.dot(d));
+    }
+    farthest.to_array().into_iter().fold(0.0, f64::max)
+}
+
+/// Moments of one part, about its centre of area.
+#[derive(Clone, Copy, Debug, Default)]
 struct Moments {
+    area: f64,
     centre: DVec3,
-    radius_squared: f64,
     normal: DVec3,
     linear: [f64; 6],
     quadratic: [f64; 10],
 }
 
 impl Moments {
-    fn new(blocks: &[TriangleBlock], frame: &Frame) -> Moments {
-        let centre = centre_of_area(blocks, frame);
+    fn of_block(block: &TriangleBlock, frame: &Frame) -> Moments {
+        let (centre, area) = centre_of_area(block, frame);
         let at = Vec4::splat(centre);
-        let mut radius_squared = f64x4::ZERO;
-        let mut normal = Vec4::splat(DVec3::ZERO);
-        let mut linear = [f64x4::ZERO; 6];
-        let mut quadratic = [f64x4::ZERO; 10];
-        for block in blocks {
-            let corners = local_corners(block, frame).map(|corner| corner - at);
-            for d in corners {
-                radius_squared = radius_squared.fast_max(d.dot(d));
-            }
-            let n = area_vector(&corners);
-            normal = normal + n;
-            let sum = corners[0] + corners[1] + corners[2];
-            add(&mut linear, linear_form(n, sum.scale(f64x4::splat(1.0 / 3.0))));
-            add(&mut quadratic, quadratic_form(n, &corners, sum));
+        let corners = local_corners(block, frame).map(|corner| corner - at);
+        let normal = area_vector(&corners);
+        let sum = corners[0] + corners[1] + corners[2];
+        Moments {
+            area,
+            centre,
+            normal: normal.sum_lanes(),
+            linear: linear_form(normal, sum.scale(f64x4::splat(1.0 / 3.0))).map(f64x4::reduce_add),
+            quadratic: quadratic_form(normal, &corners, sum).map(f64x4::reduce_add),
         }
+    }
+
+    fn of_parts(parts: &[Moments; 4]) -> Moments {
+        let area: f64 = parts.iter().map(|part| part.area).sum();
+        let weighted: DVec3 = parts.iter().map(|part| part.centre * part.area).sum();
+        let centre = if area > 0.0 { weighted / area } else { parts[0].centre };
+        let mut all = Moments { area, centre, ..Moments::default() };
+        for part in parts {
+            let moved = part.about(centre);
+            all.normal += moved.normal;
+            all.linear.iter_mut().zip(moved.linear).for_each(|(sum, term)| *sum += term);
+            all.quadratic.iter_mut().zip(moved.quadratic).for_each(|(sum, term)| *sum += term);
+        }
+        all
+    }
+
+    /// The same about another centre: with d + t for d, (N.r)(d.r) gets (N.r)(t.r) more, and (N.r)(d.r)^2 gets
+    /// 2 (t.r)(N.r)(d.r) + (t.r)(N.r)(t.r).
+    fn about(&self, centre: DVec3) -> Moments {
+        let t = self.centre - centre;
+        let outer = linear_product(self.normal, t);
+        let twice: [f64; 6] = std::array::from_fn(|i| 2.0 * self.linear[i] + outer[i]);
+        let more = cubic_product(t, &twice);
         Moments {
             centre,
-            radius_squared: radius_squared.to_array().into_iter().fold(0.0, f64::max),
-            normal: normal.sum_lanes(),
-            linear: linear.map(f64x4::reduce_add),
-            quadratic: quadratic.map(f64x4::reduce_add),
+            linear: std::array::from_fn(|i| self.linear[i] + outer[i]),
+            quadratic: std::array::from_fn(|i| self.quadratic[i] + more[i]),
+            ..*self
         }
     }
 }
 
-fn add<const N: usize>(sums: &mut [f64x4; N], terms: [f64x4; N]) {
-    for (sum, term) in sums.iter_mut().zip(terms) {
-        *sum += term;
-    }
+/// (n.r)(m.r) as coefficients.
+fn linear_product(n: DVec3, m: DVec3) -> [f64; 6] {
+    [n.x * m.x, n.y * m.y, n.z * m.z, n.x * m.y + n.y * m.x, n.y * m.z + n.z * m.y, n.z * m.x + n.x * m.z]
+}
+
+/// (t.r) times a quadratic form, as coefficients.
+fn cubic_product(t: DVec3, [xx, yy, zz, xy, yz, zx]: &[f64; 6]) -> [f64; 10] {
+    [
+        t.x * xx,
+        t.y * yy,
+        t.z * zz,
+        t.y * xx + t.x * xy,
+        t.z * xx + t.x * zx,
+        t.x * yy + t.y * xy,
+        t.z * yy + t.y * yz,
+        t.x * zz + t.z * zx,
+        t.y * zz + t.z * yz,
+        t.z * xy + t.x * yz + t.y * zx,
+    ]
 }
 
 /// (N.r)(m.r) with m the mean of d over the triangle, as coefficients.
@@ -260,17 +322,13 @@ fn area_vector(corners: &[Vec4; 3]) -> Vec4 {
     (b - a).cross(c - a).scale(f64x4::splat(0.5))
 }
 
-/// Mean of the triangles' centroids, weighted by area; of a part without area, a corner.
-fn centre_of_area(blocks: &[TriangleBlock], frame: &Frame) -> DVec3 {
-    let mut weighted = Vec4::splat(DVec3::ZERO);
-    let mut area = f64x4::ZERO;
-    for block in blocks {
-        let corners = local_corners(block, frame);
-        let n = area_vector(&corners);
-        let weight = n.dot(n).sqrt();
-        weighted = weighted + (corners[0] + corners[1] + corners[2]).scale(weight);
-        area += weight;
-    }
-    let area = area.reduce_add();
-    if area > 0.0 { weighted.sum_lanes() / (3.0 * area) } else { local_corners(&blocks[0], frame)[0].lane(0) }
+/// Mean of the triangles' centroids, weighted by area, and the area; without area, a corner.
+fn centre_of_area(block: &TriangleBlock, frame: &Frame) -> (DVec3, f64) {
+    let corners = local_corners(block, frame);
+    let n = area_vector(&corners);
+    let weight = n.dot(n).sqrt();
+    let weighted = (corners[0] + corners[1] + corners[2]).scale(weight);
+    let area = weight.reduce_add();
+    let centre = if area > 0.0 { weighted.sum_lanes() / (3.0 * area) } else { corners[0].lane(0) };
+    (centre, area)
 }
