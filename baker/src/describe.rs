@@ -31,9 +31,14 @@ pub fn parameters(input: &Input, summary: &Summary, settings: &BakeSettings) -> 
         UpAxis::Y => "y",
         UpAxis::Z => "z",
     };
+    let precision = match map.precision {
+        Precision::F32 => "f32",
+        Precision::F64 => "f64",
+        Precision::Rounded(_) => "i16",
+    };
     let domain = |corners: [DVec3; 2]| Value::Real(corners.iter().flat_map(|c| c.to_array()).collect());
     let grid = summary.plan.grid;
-    attributes([
+    let mut out = attributes([
         ("support_radius", summary.plan.support_radius.into()),
         ("particle_radius", (summary.plan.support_radius / 4.0).into()),
         ("band_width", summary.plan.band_width.into()),
@@ -44,7 +49,7 @@ pub fn parameters(input: &Input, summary: &Summary, settings: &BakeSettings) -> 
         ("invert", map.invert.into()),
         ("thickness", map.thickness.into()),
         ("quadrature", map.rule.to_string().into()),
-        ("precision", if map.precision == Precision::F32 { "f32" } else { "f64" }.into()),
+        ("precision", precision.into()),
         ("sign", format!("{:?}", summary.sign.method).to_lowercase().into()),
         ("sign_reason", summary.sign.reason.as_str().into()),
         ("keep_orientation", settings.keep_orientation.into()),
@@ -55,7 +60,11 @@ pub fn parameters(input: &Input, summary: &Summary, settings: &BakeSettings) -> 
         ("rotation_degrees", input.placement.rotation.degrees.into()),
         ("translation", input.placement.translation.into()),
         ("weld_tolerance", input.weld_tolerance.into()),
-    ])
+    ]);
+    if let Some(rounding) = summary.rounding {
+        out.insert("max_rounding".into(), rounding.allowed.into());
+    }
+    out
 }
 
 /// Where the map comes from.

@@ -1,9 +1,10 @@
 //! What the objects of the file mean: [`Asset`] to [`Tree`] and back. `SPEC.md` is this file in prose.
 
 use super::error::{AssetError, printable};
+use super::rounded::Rounded;
 #[cfg(feature = "write")]
 use super::tree::Dataset;
-use super::tree::{Array, Attributes, Tree, Value};
+use super::tree::{Array, Attributes, MAX_ERROR, STEP, Tree, Value};
 use super::{Asset, CellRun, Exterior, GridSpec, QuadratureSpec};
 
 /// Value of the root attribute `format`.
@@ -108,11 +109,12 @@ fn runs_dataset(runs: &[CellRun], description: &str) -> Dataset {
 
 #[cfg(feature = "write")]
 fn field_dataset(values: &Array, units: &str, description: &str) -> Dataset {
-    Dataset {
-        shape: vec![values.len()],
-        array: values.clone(),
-        attributes: attributes([("units", units.into()), ("description", description.into())]),
+    let mut attributes = attributes([("units", units.into()), ("description", description.into())]);
+    if let Array::Rounded(rounded) = values {
+        attributes.insert(STEP.into(), rounded.step.into());
+        attributes.insert(MAX_ERROR.into(), rounded.max_error.into());
     }
+    Dataset { shape: vec![values.len()], array: values.clone(), attributes }
 }
 
 /// Reads an asset's tree from bytes, the kind and version of the file first, so that a foreign or newer
@@ -209,13 +211,26 @@ fn runs(tree: &Tree, path: &str) -> Result<Vec<CellRun>, AssetError> {
 fn field(tree: &mut Tree, path: &str) -> Result<Array, AssetError> {
     let dataset = tree.datasets.remove(path).ok_or_else(|| AssetError::Missing(path.into()))?;
     if matches!(dataset.array, Array::U32(_)) {
-        return Err(AssetError::invalid(path, "isn't f32 or f64"));
+        return Err(AssetError::invalid(path, "isn't f32, f64 or i16"));
+    }
+    if let Array::Rounded(rounded) = &dataset.array {
+        check_rounding(path, rounded)?;
     }
     match (dataset.array.is_finite(), dataset.shape.len()) {
         (true, 1) => Ok(dataset.array),
         (false, _) => Err(AssetError::invalid(path, "has values that aren't finite")),
         _ => Err(AssetError::invalid(path, "has more than one axis")),
     }
+}
+
+fn check_rounding(path: &str, rounded: &Rounded) -> Result<(), AssetError> {
+    if !(rounded.step > 0.0 && rounded.step.is_finite()) {
+        return Err(AssetError::invalid(format!("{path}@{STEP}"), "isn't positive and finite"));
+    }
+    if !(rounded.max_error >= 0.0 && rounded.max_error.is_finite()) {
+        return Err(AssetError::invalid(format!("{path}@{MAX_ERROR}"), "isn't a finite bound"));
+    }
+    Ok(())
 }
 
 /// Typed access to a group's attributes.
