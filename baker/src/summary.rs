@@ -43,10 +43,10 @@ impl Display for Summary {
         writeln!(f, "memory     {} dense, {} sparse", bytes(dense), bytes(sparse))?;
         if let Some(rounding) = self.rounding {
             let [allowed, distance, volume] =
-                [rounding.allowed, rounding.distance, rounding.volume].map(|part| 100.0 * part);
+                [rounding.allowed, rounding.distance, rounding.volume].map(|part| digits(100.0 * part));
             writeln!(
                 f,
-                "rounding   at most {allowed:.3} % of r and of the ball; the worst is {distance:.4} % and {volume:.4} %"
+                "rounding   16 bits, at most {allowed} % of r and of the ball; the worst is {distance} % and {volume} %"
             )?;
         }
         let stages: Vec<String> =

@@ -58,6 +58,11 @@ impl Rounded {
         }
     }
 
+    /// Whether step and bound are in range.
+    pub fn has_sound_attributes(&self) -> bool {
+        self.step > 0.0 && self.step.is_finite() && self.max_error >= 0.0 && self.max_error.is_finite()
+    }
+
     /// The numbers.
     pub fn values(&self) -> impl Iterator<Item = f64> + '_ {
         self.multiples.iter().map(|&steps| f64::from(steps) * self.step)
@@ -65,16 +70,8 @@ impl Rounded {
 
     /// The largest difference from `values`; infinite if one of them isn't a number.
     pub fn worst_error(&self, values: &[f64]) -> f64 {
-        let differences = self.values().zip(values).map(|(rounded, exact)| (rounded - exact).abs());
-        differences.fold(0.0, |worst, error| {
-            if error <= worst {
-                worst
-            } else if error.is_nan() {
-                f64::INFINITY
-            } else {
-                error
-            }
-        })
+        let larger = |worst: f64, error: f64| if error.is_nan() { f64::INFINITY } else { worst.max(error) };
+        self.values().zip(values).map(|(rounded, exact)| (rounded - exact).abs()).fold(0.0, larger)
     }
 }
 

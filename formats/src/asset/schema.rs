@@ -357,6 +357,38 @@ mod tests {
     }
 
     #[test]
+    fn steps_that_are_out_of_range_are_refused_by_name() {
+        let rounded = |step: f64, max_error: f64| {
+            let mut asset = asset();
+            let field = Rounded { multiples: vec![-32768; 32], step, max_error };
+            asset.signed_distance = Array::Rounded(field.clone());
+            asset.volume = Array::Rounded(field);
+            asset_from_tree(tree_from_asset(&asset)).map(|_| ()).map_err(|error| error.to_string())
+        };
+        assert_eq!(rounded(1e-5, 0.0), Ok(()));
+        for step in [0.0, -1e-5, f64::NAN, f64::INFINITY] {
+            assert!(
+                rounded(step, 1e-5).unwrap_err().contains("/fields/signed_distance@scale_factor"),
+                "{step}"
+            );
+        }
+        for bound in [-1e-9, f64::NAN, f64::INFINITY] {
+            assert!(
+                rounded(1e-5, bound).unwrap_err().contains("/fields/signed_distance@max_error"),
+                "{bound}"
+            );
+        }
+        assert!(rounded(1e305, 1e304).unwrap_err().contains("aren't finite"));
+    }
+
+    #[test]
+    fn checksum_of_16_bits_is_that_of_the_specification() {
+        let field = Rounded { multiples: (0..52).collect(), step: 1e-5, max_error: 5e-6 };
+        let checksum = field_dataset(&Array::Rounded(field), "m", "").checksum();
+        assert!(include_str!("../../SPEC.md").contains(&checksum), "{checksum}");
+    }
+
+    #[test]
     fn sealed_datasets_of_another_shape_are_refused_by_name() {
         for path in DATASETS {
             let dataset =
