@@ -31,7 +31,8 @@ fn main() {
 fn measure(path: &Path, copy: &Path) {
     let asset = asset::read(path).expect("an asset");
     let bytes = std::fs::read(path).expect("a file");
-    println!("{}: {} bytes, {} nodes", path.display(), bytes.len(), asset.volume.len());
+    let loaded = VolumeMap::from_asset(&asset).expect("a map").memory_bytes();
+    println!("{}: {} bytes, {loaded} loaded, {} nodes", path.display(), bytes.len(), asset.volume.len());
     time("asset::from_bytes", || asset::from_bytes(bytes.clone()).expect("an asset"));
     time("VolumeMap::from_asset", || VolumeMap::from_asset(&asset).expect("a map"));
     time("VolumeMap::open", || VolumeMap::open(path).expect("a map"));

@@ -21,8 +21,8 @@ const MAX_EXPANSION: usize = 4096;
 const ALWAYS_ALLOWED_BYTES: usize = 1 << 24;
 const MAX_OBJECT_HEADER_BYTES: usize = 1 << 20;
 const ZSTD_FILTER: u16 = 32015;
-/// A dataset that decodes to more is worth a thread of its own.
-const LARGE_BYTES: usize = 1 << 19;
+/// A dataset that decodes to more is worth a thread of its own: where all processors are busy, one starts late.
+const LARGE_BYTES: usize = 1 << 21;
 
 /// Reads the groups (the root first) and datasets named, all of which must be there, and compares the
 /// checksums. `check_root` sees the root's attributes before anything else is read.
