@@ -16,7 +16,7 @@ use std::sync::{Mutex, MutexGuard};
 use std::time::{Duration, Instant};
 use volmap_baker::plan::Settings;
 use volmap_baker::volume_map::quadrature::Rule;
-use volmap_formats::asset::{self, Array, Asset, AssetError, CellRun, Compression};
+use volmap_formats::asset::{self, Array, Asset, AssetError, CellRun, Compression, Rounded};
 use volmap_runtime::{DVec3, Error, Sample, VolumeMap};
 use volmap_tests::{Random, SPHERE, asset_of, compute};
 
@@ -29,7 +29,7 @@ static ALONE: Mutex<()> = Mutex::new(());
 const MIB: usize = 1 << 20;
 const MAX_MEMORY: usize = 128 * MIB;
 const MAX_TIME: Duration = Duration::from_secs(5);
-/// Mutations in all; the first three assets share them, the large one gets a tenth of them on top.
+/// Mutations in all; all assets but the large one share them, the large one gets a tenth of them on top.
 const CASES: usize = if cfg!(feature = "long") { 300_000 } else { 12_000 };
 
 /// An undamaged file and what it says.
@@ -39,6 +39,12 @@ struct Original {
     checksums: Checksums,
     asset: Asset,
     samples: Vec<Sample>,
+}
+
+impl Original {
+    fn metadata(&self) -> impl Iterator<Item = usize> {
+        self.checksums.metadata().flatten()
+    }
 }
 
 fn alone() -> MutexGuard<'static, ()> {
@@ -72,6 +78,16 @@ fn in_single_precision(mut asset: Asset) -> Asset {
     asset
 }
 
+fn in_16_bits(mut asset: Asset) -> Asset {
+    let rounded = |array: &Array, unit: f64| match array {
+        Array::F64(v) => Array::Rounded(Rounded::new(v, unit, 1e-3).unwrap()),
+        other => panic!("{other:?}"),
+    };
+    asset.signed_distance = rounded(&asset.signed_distance, asset.support_radius);
+    asset.volume = rounded(&asset.volume, asset.quadrature.ball_volume);
+    asset
+}
+
 fn file_of(asset: &Asset, compression: Compression) -> Result<Vec<u8>, AssetError> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("asset.h5");
@@ -86,13 +102,14 @@ fn original(name: &'static str, asset: Asset, compression: Compression) -> Origi
     Original { name, checksums: Checksums::find(&file), file, asset, samples }
 }
 
-fn originals() -> [Original; 4] {
+fn originals() -> [Original; 5] {
     let outside = Settings::default();
     let container = Settings { invert: true, ..Settings::default() };
     [
         original("zstd f32", in_single_precision(sphere(8, &outside)), Compression::Zstd(9)),
         original("gzip f64", sphere(6, &outside), Compression::Gzip(6)),
         original("inverted", in_single_precision(sphere(7, &container)), Compression::Zstd(1)),
+        original("zstd i16", in_16_bits(sphere(8, &outside)), Compression::Zstd(5)),
         // Two chunks a field, so with chunk indexes.
         original("large", in_single_precision(sphere(32, &outside)), Compression::Zstd(3)),
     ]
@@ -213,7 +230,7 @@ fn damaged_assets_are_refused_or_unchanged() {
     let (mut plain, mut renewed) = (Tally::default(), Tally::default());
     for original in originals() {
         let target = Target::new(&original.file, &original.checksums);
-        let cases = if original.name == "large" { CASES / 10 } else { CASES / 3 };
+        let cases = if original.name == "large" { CASES / 10 } else { CASES / 4 };
         for case in 0..cases {
             let (mut bytes, what) = target.mutate(&mut seed(case));
             let described = || format!("seed {case}, {}", NAMES[what]);
@@ -246,13 +263,14 @@ fn damaged_assets_are_refused_or_unchanged() {
 fn every_byte_of_the_metadata_counts_or_means_nothing() {
     let _alone = alone();
     let mut tally = Tally::default();
-    let [_, _, original, _] = originals();
-    for at in original.checksums.metadata().flatten() {
+    let [_, _, single, rounded, _] = originals();
+    let places = |original| Original::metadata(original).map(move |at| (original, at));
+    for (original, at) in places(&single).chain(places(&rounded)) {
         for change in [0x01, 0xFF] {
             let mut bytes = original.file.clone();
             bytes[at] ^= change;
             original.checksums.renew(&mut bytes);
-            tally.open(&original, bytes, || format!("byte {at} ^ {change:#x}, checksums renewed"));
+            tally.open(original, bytes, || format!("byte {at} ^ {change:#x}, checksums renewed"));
         }
     }
     tally.report("metadata byte by byte, HDF5 checksums renewed");
@@ -262,7 +280,7 @@ fn every_byte_of_the_metadata_counts_or_means_nothing() {
 fn every_length_is_refused_or_unchanged() {
     let _alone = alone();
     let mut tally = Tally::default();
-    let [_, original, _, _] = originals();
+    let [_, original, ..] = originals();
     let lengths = (0..1024).chain((1024..original.file.len()).step_by(7));
     for length in lengths {
         let bytes = original.file[..length].to_vec();
@@ -294,6 +312,26 @@ fn numbers(array: &mut Array) -> &mut Vec<f32> {
         other => panic!("{other:?}"),
     }
 }
+
+fn rounded(array: &mut Array) -> &mut Rounded {
+    match array {
+        Array::Rounded(v) => v,
+        other => panic!("{other:?}"),
+    }
+}
+
+/// The same for fields of 16 bits.
+const INCONSISTENT_IN_16_BITS: [Change; 9] = [
+    ("step 0", |a| rounded(&mut a.volume).step = 0.0),
+    ("step negative", |a| rounded(&mut a.volume).step = -1e-5),
+    ("step NaN", |a| rounded(&mut a.signed_distance).step = f64::NAN),
+    ("step whose products overflow", |a| rounded(&mut a.signed_distance).step = 1e305),
+    ("bound NaN", |a| rounded(&mut a.signed_distance).max_error = f64::NAN),
+    ("bound negative", |a| rounded(&mut a.volume).max_error = -1e-9),
+    ("one distance less", |a| _ = rounded(&mut a.signed_distance).multiples.pop()),
+    ("one volume more", |a| rounded(&mut a.volume).multiples.push(0)),
+    ("mixed precision", |a| a.volume = Array::F32(vec![0.0; a.volume.len()])),
+];
 
 /// What an attacker can write who computes every checksum.
 const INCONSISTENT: [Change; 35] = [
@@ -346,8 +384,11 @@ fn last(asset: &Asset) -> CellRun {
 
 #[test]
 fn content_that_contradicts_itself_is_refused() {
-    let [original, ..] = originals();
-    for (name, change) in INCONSISTENT {
+    let [single, _, _, rounded, _] = originals();
+    let all = INCONSISTENT.iter().map(|change| (&single, change));
+    for (original, (name, change)) in
+        all.chain(INCONSISTENT_IN_16_BITS.iter().map(|change| (&rounded, change)))
+    {
         let mut asset = original.asset.clone();
         change(&mut asset);
         let error = VolumeMap::from_asset(&asset).map(|map| samples(&map)).expect_err(name);

@@ -21,18 +21,20 @@ fn run(command: &mut Command) -> String {
 }
 
 fn bake(folder: &Path, mesh: &str, options: &str) -> PathBuf {
-    let target = folder.join(format!("{}.h5", options.replace([' ', '.'], "_")));
+    let target = folder.join(format!("{}.h5", options.replace([' ', '.', '%'], "_")));
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../data").join(mesh);
     let mut command = Command::new(volmap());
     run(command.arg("bake").arg(data).arg("-o").arg(&target).arg("-q").args(options.split_whitespace()));
     target
 }
 
-const BAKES: [(&str, &str); 5] = [
+const BAKES: [(&str, &str); 7] = [
     ("duck.obj", "--resolution 20 --support-radius 0.1"),
     ("duck.obj", "--resolution 20,15,25 --support-radius 0.1 --precision f64"),
     ("tank.obj", "--invert --cell-size 0.2 --support-radius 0.2 --compression gzip"),
     ("grid.obj", "--cell-size 0.02 --support-radius 0.02 --compression gzip --precision f64"),
+    ("duck.obj", "--resolution 20 --support-radius 0.1 --max-rounding 0.01%"),
+    ("duck.obj", "--invert --resolution 14 --compression gzip --max-rounding 1e-3"),
     ("bad_holes.obj", "--resolution 12 --domain -0.5,-0.5,-0.5,0.5,0.4,0.3"),
 ];
 
@@ -43,6 +45,20 @@ fn reader_written_from_the_specification_agrees() {
     for (mesh, options) in BAKES {
         let asset = bake(folder.path(), mesh, options);
         print!("{}", run(Command::new(python()).arg(&script).arg(&asset).arg("--against").arg(volmap())));
+    }
+}
+
+#[test]
+fn rounded_fields_keep_the_bound_as_python_reads_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("interop/compare_reader.py");
+    for bound in ["0.02%", "1%"] {
+        let options = "--resolution 20 --support-radius 0.1";
+        let exact = bake(folder.path(), "duck.obj", &format!("{options} --precision f64"));
+        let rounded = bake(folder.path(), "duck.obj", &format!("{options} --max-rounding {bound}"));
+        let mut command = Command::new(python());
+        command.arg(&script).arg(&rounded).arg("--exact").arg(&exact).arg("--against").arg(volmap());
+        print!("{}", run(&mut command));
     }
 }
 

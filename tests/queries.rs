@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 use volmap_baker::plan::Settings;
 use volmap_baker::volume_map::quadrature::Rule;
-use volmap_formats::asset::{CellRun, Exterior};
+use volmap_formats::asset::{Array, Asset, CellRun, Exterior, Rounded};
 use volmap_runtime::serendipity::node;
 use volmap_runtime::{Cell, CellIndex, DQuat, DVec3, Family, Nodes, Pose, PosedMap, Sample, VolumeMap};
 use volmap_tests::{Random, SPHERE, Solid, TORUS, asset_of, compute, map_of};
@@ -181,6 +181,36 @@ fn bodies_share_a_map() {
         }
     }
     assert!(near > 500, "{near}");
+}
+
+#[test]
+fn fields_of_16_bits_differ_by_less_than_the_element_allows() {
+    let (plan, maps) = compute(&SPHERE, 15, &settings());
+    let double = asset_of(&plan, &settings(), maps);
+    let (part, ball) = (1e-3, double.quadrature.ball_volume);
+    let rounded = |array: &Array, unit: f64| match array {
+        Array::F64(v) => Array::Rounded(Rounded::new(v, unit, part).unwrap()),
+        other => other.clone(),
+    };
+    let signed_distance = rounded(&double.signed_distance, double.support_radius);
+    let short = Asset { signed_distance, volume: rounded(&double.volume, ball), ..double.clone() };
+    // The largest sum of |N_a| in the element: SPEC.md, section 3.
+    let [distance_bound, volume_bound] = [double.support_radius, ball].map(|unit| 5.75 * part * unit);
+    let [double, short] = [double, short].map(|asset| VolumeMap::from_asset(&asset).unwrap());
+    let (mut random, mut worst) = (Random(18), [0.0f64; 2]);
+    for _ in 0..20_000 {
+        let at = random.point(double.grid().origin, double.grid().max_corner());
+        match (double.sample(at), short.sample(at)) {
+            (Sample::Near(a), Sample::Near(b)) => {
+                worst[0] = worst[0].max((a.distance - b.distance).abs() / distance_bound);
+                worst[1] = worst[1].max((a.volume - b.volume).abs() / volume_bound);
+            }
+            (a, b) => assert_eq!(a, b),
+        }
+    }
+    println!("largest differences, of what the element allows: {worst:?}");
+    assert!(worst.iter().all(|part| (0.1..1.0).contains(part)), "{worst:?}");
+    assert!(2 * short.memory_bytes() < double.memory_bytes());
 }
 
 #[test]

@@ -13,7 +13,7 @@ use crate::sdf::{MeshDistance, SignComparison, SignMethod, compare_signs};
 use crate::tolerance::{Found, Problem, search};
 use glam::DVec3;
 use std::time::Instant;
-use volmap_formats::asset::{Array, Asset, QuadratureSpec};
+use volmap_formats::asset::{Array, Asset, QuadratureSpec, Rounded};
 use volmap_formats::mesh::{CleanReport, Placement};
 
 /// What a bake depends on beside the mesh.
@@ -67,6 +67,8 @@ pub struct Summary {
     pub tolerance: Option<Found>,
     /// Bytes of both fields if every cell of the grid were stored, and for the band alone.
     pub field_bytes: [u64; 2],
+    /// What storing the fields changed, if they were rounded to 16 bits.
+    pub rounding: Option<Rounding>,
     /// Stages and their seconds, in order.
     pub seconds: Vec<(&'static str, f64)>,
     /// What a careful person would look at.
@@ -82,6 +84,17 @@ pub struct CellCounts {
     pub band: u64,
     /// Deeper in the solid than the band.
     pub solid: u64,
+}
+
+/// How far the stored fields may be, and are, from what was computed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rounding {
+    /// The bound: part of r and of the full ball.
+    pub allowed: f64,
+    /// Largest change of a distance, part of r.
+    pub distance: f64,
+    /// Largest change of a volume, part of the full ball.
+    pub volume: f64,
 }
 
 /// Steps of a bake, for progress.
@@ -146,6 +159,7 @@ pub fn bake(
         nodes: maps.nodes.count(),
         tolerance,
         field_bytes: field_bytes(&plan, &maps, settings.map.precision),
+        rounding: None,
         seconds: clock.laps,
         warnings: Vec::new(),
         source: input.source.clone(),
@@ -154,8 +168,7 @@ pub fn bake(
         plan,
     };
     let summary = Summary { warnings: describe::warnings(&summary, &maps, settings), ..summary };
-    let asset = asset(maps, &input, &summary, settings);
-    Ok(Bake { asset, summary })
+    asset(maps, &input, summary, settings)
 }
 
 /// The grid and the fields on it, after a search if a tolerance is asked for.
@@ -205,32 +218,49 @@ fn field_bytes(plan: &Plan, maps: &Maps, precision: Precision) -> [u64; 2] {
     let [x, y, z] = plan.grid.resolution.to_array().map(u64::from);
     let corners = (x + 1) * (y + 1) * (z + 1);
     let edges = x * (y + 1) * (z + 1) + (x + 1) * y * (z + 1) + (x + 1) * (y + 1) * z;
-    let size = if precision == Precision::F32 { 4 } else { 8 };
-    [corners + 2 * edges, maps.nodes.count() as u64].map(|nodes| 2 * size * nodes)
+    [corners + 2 * edges, maps.nodes.count() as u64].map(|nodes| 2 * precision.bytes() * nodes)
 }
 
-fn asset(maps: Maps, input: &Input, summary: &Summary, settings: &BakeSettings) -> Asset {
+fn asset(maps: Maps, input: &Input, mut summary: Summary, settings: &BakeSettings) -> Result<Bake, Error> {
     let rule = settings.map.rule;
-    let stored = |values: Vec<f64>| match settings.map.precision {
-        Precision::F32 => Array::F32(values.into_iter().map(|x| x as f32).collect()),
-        Precision::F64 => Array::F64(values),
+    let quadrature = QuadratureSpec {
+        name: rule.to_string(),
+        degree: rule.degree(),
+        points: rule.points().len() as u64,
+        ball_volume: rule.ball_volume(summary.plan.support_radius),
     };
-    Asset {
+    let (r, ball) = (summary.plan.support_radius, quadrature.ball_volume);
+    let (signed_distance, distance_change) = stored(maps.distance, r, settings.map.precision)?;
+    let (volume, volume_change) = stored(maps.volume, ball, settings.map.precision)?;
+    if let Precision::Rounded(allowed) = settings.map.precision {
+        summary.rounding = Some(Rounding { allowed, distance: distance_change, volume: volume_change });
+    }
+    let asset = Asset {
         grid: summary.plan.grid.into(),
-        support_radius: summary.plan.support_radius,
+        support_radius: r,
         exterior: summary.plan.exterior,
-        quadrature: QuadratureSpec {
-            name: rule.to_string(),
-            degree: rule.degree(),
-            points: rule.points().len() as u64,
-            ball_volume: rule.ball_volume(summary.plan.support_radius),
-        },
+        quadrature,
         band_cells: maps.cells.band,
         solid_cells: maps.cells.solid,
-        signed_distance: stored(maps.distance),
-        volume: stored(maps.volume),
-        bake: describe::parameters(input, summary, settings),
-        source: describe::source(input, summary),
-        diagnosis: describe::diagnosis(summary),
+        signed_distance,
+        volume,
+        bake: describe::parameters(input, &summary, settings),
+        source: describe::source(input, &summary),
+        diagnosis: describe::diagnosis(&summary),
+    };
+    Ok(Bake { asset, summary })
+}
+
+/// A field as it is stored, and, where it is rounded to parts of `unit`, the largest change in that unit.
+fn stored(values: Vec<f64>, unit: f64, precision: Precision) -> Result<(Array, f64), Error> {
+    match precision {
+        Precision::F32 => Ok((Array::F32(values.into_iter().map(|x| x as f32).collect()), 0.0)),
+        Precision::F64 => Ok((Array::F64(values), 0.0)),
+        Precision::Rounded(part) => {
+            let rounded = Rounded::new(&values, unit, part);
+            let rounded = rounded.map_err(|error| Error::setting("--max-rounding", error.to_string()))?;
+            let worst = rounded.worst_error(&values);
+            Ok((Array::Rounded(rounded), worst / unit))
+        }
     }
 }

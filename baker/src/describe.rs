@@ -32,6 +32,11 @@ pub fn parameters(input: &Input, summary: &Summary, settings: &BakeSettings) -> 
         UpAxis::Y => "y",
         UpAxis::Z => "z",
     };
+    let precision = match map.precision {
+        Precision::F32 => "f32",
+        Precision::F64 => "f64",
+        Precision::Rounded(_) => "i16",
+    };
     let domain = |corners: [DVec3; 2]| Value::Real(corners.iter().flat_map(|c| c.to_array()).collect());
     let grid = summary.plan.grid;
     let mut out = attributes([
@@ -45,7 +50,7 @@ pub fn parameters(input: &Input, summary: &Summary, settings: &BakeSettings) -> 
         ("invert", map.invert.into()),
         ("thickness", map.thickness.into()),
         ("quadrature", map.rule.to_string().into()),
-        ("precision", if map.precision == Precision::F32 { "f32" } else { "f64" }.into()),
+        ("precision", precision.into()),
         ("sign", format!("{:?}", summary.sign.method).to_lowercase().into()),
         ("sign_reason", summary.sign.reason.as_str().into()),
         ("keep_orientation", settings.keep_orientation.into()),
@@ -65,6 +70,9 @@ pub fn parameters(input: &Input, summary: &Summary, settings: &BakeSettings) -> 
             ("volume_error_points", count(found.error.points)),
             ("volume_error_reference", found.reference.to_string().into()),
         ]));
+    }
+    if let Some(rounding) = summary.rounding {
+        out.insert("max_rounding".into(), rounding.allowed.into());
     }
     out
 }

@@ -84,12 +84,19 @@ fn field(values: &Array, units: &str) -> Json {
     let range = |numbers: &mut dyn Iterator<Item = f64>| {
         numbers.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
     };
-    let (precision, (low, high)) = match values {
-        Array::F32(v) => ("f32", range(&mut v.iter().map(|&x| x.into()))),
-        Array::F64(v) => ("f64", range(&mut v.iter().copied())),
-        Array::U32(v) => ("u32", range(&mut v.iter().map(|&x| x.into()))),
+    let (low, high) = match values {
+        Array::F32(v) => range(&mut v.iter().map(|&x| x.into())),
+        Array::F64(v) => range(&mut v.iter().copied()),
+        Array::Rounded(v) => range(&mut v.values()),
+        Array::U32(v) => range(&mut v.iter().map(|&x| x.into())),
     };
-    json!({ "nodes": values.len(), "precision": precision, "min": low, "max": high, "units": units })
+    let precision = values.type_name();
+    let mut out =
+        json!({ "nodes": values.len(), "precision": precision, "min": low, "max": high, "units": units });
+    if let Array::Rounded(rounded) = values {
+        out["max_error"] = rounded.max_error.into();
+    }
+    out
 }
 
 fn object(attributes: &Attributes) -> Json {

@@ -5,7 +5,7 @@ use crate::volume_map::lattice::MAX_REACH;
 use crate::volume_map::quadrature::Rule;
 use glam::{DVec3, UVec3};
 use std::f64::consts::PI;
-use volmap_formats::asset::{Exterior, MAX_CELLS_PER_AXIS, MAX_ROWS};
+use volmap_formats::asset::{Exterior, MAX_CELLS_PER_AXIS, MAX_ROWS, Rounded};
 use volmap_runtime::Grid;
 
 /// How the cells are chosen.
@@ -24,13 +24,27 @@ pub enum GridChoice {
 }
 
 /// Precision of the stored fields.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Precision {
     /// Single: 2^-24 relative, far below any other error of a map.
     #[default]
     F32,
     /// Double.
     F64,
+    /// 16-bit multiples of a step. No node's value changes by more than this fraction of r (distance) and of the
+    /// full ball (volume).
+    Rounded(f64),
+}
+
+impl Precision {
+    /// Bytes of a stored number.
+    pub fn bytes(self) -> u64 {
+        match self {
+            Precision::F32 => 4,
+            Precision::F64 => 8,
+            Precision::Rounded(_) => 2,
+        }
+    }
 }
 
 /// What a bake depends on beside the mesh.
@@ -139,6 +153,7 @@ pub fn plan(extent: &Extent, settings: &Settings) -> Result<Plan, Error> {
     let grid = grid(low, high, support_radius, settings)?;
     check_precision(&grid)?;
     check_reach(&grid, support_radius)?;
+    check_rounding(&grid, support_radius, settings.precision)?;
     let cut = cut(&grid, needed);
     let cuts = cut[0].max_element().max(cut[1].max_element()) > 0.0;
     let margin = if cuts { margin(&grid, support_radius)? } else { UVec3::ZERO };
@@ -274,6 +289,16 @@ fn check_reach(grid: &Grid, support_radius: f64) -> Result<(), Error> {
          cells (some 2 to 4 to the radius suffice), or a smaller --support-radius"
     );
     Err(Error::setting("--cell-size or --resolution", reason))
+}
+
+/// Told before the work: the values at the far corners of the band's cells need too many steps.
+fn check_rounding(grid: &Grid, support_radius: f64, precision: Precision) -> Result<(), Error> {
+    let Precision::Rounded(fraction) = precision else { return Ok(()) };
+    let farthest = 2.0 * support_radius + grid.cell_size.length();
+    match Rounded::new(&[farthest], support_radius, fraction) {
+        Ok(_) => Ok(()),
+        Err(error) => Err(Error::setting("--max-rounding", error.to_string())),
+    }
 }
 
 fn check_resolution(option: &'static str, cells: DVec3) -> Result<(), Error> {

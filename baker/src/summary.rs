@@ -45,6 +45,14 @@ impl Display for Summary {
         }
         let [dense, sparse] = self.field_bytes;
         writeln!(f, "memory     {} dense, {} sparse", bytes(dense), bytes(sparse))?;
+        if let Some(rounding) = self.rounding {
+            let [allowed, distance, volume] =
+                [rounding.allowed, rounding.distance, rounding.volume].map(|part| digits(100.0 * part));
+            writeln!(
+                f,
+                "rounding   16 bits, at most {allowed} % of r and of the ball; the worst is {distance} % and {volume} %"
+            )?;
+        }
         let stages: Vec<String> =
             self.seconds.iter().map(|(name, seconds)| format!("{name} {seconds:.2}")).collect();
         let total: f64 = self.seconds.iter().map(|(_, seconds)| seconds).sum();

@@ -126,6 +126,45 @@ fn options_reach_the_asset() {
 }
 
 #[test]
+fn rounding_is_bounded_halves_the_asset_and_is_said() {
+    let folder = folder();
+    let bake = |options: &[&str]| {
+        output(
+            volmap(&folder)
+                .arg("bake")
+                .arg(data("duck.obj"))
+                .args(["--resolution", "16", "--json"])
+                .args(options),
+        )
+    };
+    let json = |text: String| serde_json::from_str::<serde_json::Value>(&text).unwrap();
+    let single = json(bake(&["-o", "single.h5"]));
+    let rounded = json(bake(&["-o", "rounded.h5", "--max-rounding", "0.02%"]));
+    let fields = &rounded["fields"];
+    assert_eq!(
+        (&fields["volume"]["precision"], &rounded["bake"]["precision"]),
+        (&"i16".into(), &"i16".into())
+    );
+    let radius = rounded["support_radius"].as_f64().unwrap();
+    assert_eq!(fields["signed_distance"]["max_error"], 2e-4 * radius);
+    assert_eq!(rounded["bake"]["max_rounding"], 2e-4);
+    assert!(rounded["file_bytes"].as_u64() < single["file_bytes"].as_u64().map(|bytes| bytes * 2 / 3));
+    let refused = |options: &[&str]| {
+        let mut command = volmap(&folder);
+        let output = command.arg("bake").arg(data("duck.obj")).args(options).output().unwrap();
+        assert!(!output.status.success());
+        String::from_utf8(output.stderr).unwrap()
+    };
+    let error = refused(&["--max-rounding", "0.001%"]);
+    let (_, smallest) = error.split_once("at least ").unwrap();
+    let smallest: f64 = smallest.split(' ').next().unwrap().parse().unwrap();
+    output(
+        volmap(&folder).arg("bake").arg(data("duck.obj")).args(["--max-rounding", &format!("{smallest}%")]),
+    );
+    assert!(refused(&["--max-rounding", "0.1%", "--precision", "f64"]).contains("cannot be used with"));
+}
+
+#[test]
 fn a_domain_that_cuts_is_said() {
     let folder = folder();
     let options = ["--support-radius", "0.1", "--cell-size", "0.1", "--domain", "-0.5,-0.5,-0.5,0.5,0.5,0.5"];

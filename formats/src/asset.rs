@@ -5,17 +5,18 @@
 //! ```
 
 mod error;
-#[cfg(feature = "write")]
 mod filters;
 #[cfg(feature = "write")]
 mod publish;
 mod read;
+mod rounded;
 mod schema;
 mod tree;
 #[cfg(feature = "write")]
 mod write;
 
 pub use error::AssetError;
+pub use rounded::{Rounded, RoundingError};
 pub use schema::{FORMAT_NAME, FORMAT_VERSION, MAX_CELLS_PER_AXIS, MAX_ROWS};
 pub use tree::{Array, Attributes, Dataset, Tree, Value};
 #[cfg(feature = "write")]
@@ -84,9 +85,10 @@ pub struct Asset {
     pub band_cells: Vec<CellRun>,
     /// Cells deeper in the solid than the band, sorted by (k, j, i).
     pub solid_cells: Vec<CellRun>,
-    /// Signed distance at the nodes, metres, negative inside the solid ([`Array::F32`] or [`Array::F64`]).
+    /// Signed distance at the nodes, metres, negative inside the solid ([`Array::F32`], [`Array::F64`]
+    /// or [`Array::Rounded`]).
     pub signed_distance: Array,
-    /// Boundary volume at the nodes, m^3.
+    /// Boundary volume at the nodes, m^3, in the same precision.
     pub volume: Array,
     /// Effective value of every parameter of the bake.
     pub bake: Attributes,

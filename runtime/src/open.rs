@@ -106,10 +106,17 @@ fn interleave(distance: &Array, volume: &Array, nodes: usize) -> Result<Fields, 
         if !field.is_finite() {
             return Err(Error::inconsistent(what, "has values that aren't finite"));
         }
+        if matches!(field, Array::Rounded(rounded) if !rounded.has_sound_attributes()) {
+            return Err(Error::inconsistent(what, "has a step that isn't positive, or no finite bound"));
+        }
     }
     match (distance, volume) {
         (Array::F32(d), Array::F32(v)) => Ok(Fields::F32(d.iter().zip(v).map(|(&d, &v)| [d, v]).collect())),
         (Array::F64(d), Array::F64(v)) => Ok(Fields::F64(d.iter().zip(v).map(|(&d, &v)| [d, v]).collect())),
+        (Array::Rounded(d), Array::Rounded(v)) => {
+            let nodes = d.multiples.iter().zip(&v.multiples).map(|(&d, &v)| [d, v]).collect();
+            Ok(Fields::Rounded(nodes, [d.step, v.step]))
+        }
         _ => Err(Error::inconsistent("/fields", "differ in precision")),
     }
 }

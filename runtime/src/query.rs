@@ -22,6 +22,8 @@ pub struct VolumeMap {
 pub(crate) enum Fields {
     F32(Vec<[f32; 2]>),
     F64(Vec<[f64; 2]>),
+    /// Multiples of the two steps.
+    Rounded(Vec<[i16; 2]>, [f64; 2]),
 }
 
 /// What the map says of a point.
@@ -131,6 +133,7 @@ impl VolumeMap {
         let fields = match &self.fields {
             Fields::F32(nodes) => size_of_val(nodes.as_slice()),
             Fields::F64(nodes) => size_of_val(nodes.as_slice()),
+            Fields::Rounded(nodes, _) => size_of_val(nodes.as_slice()),
         };
         fields + self.cells.memory_bytes()
     }
@@ -141,6 +144,10 @@ impl Fields {
         match self {
             Fields::F32(nodes) => numbers.map(|n| nodes[n as usize].map(f64::from)),
             Fields::F64(nodes) => numbers.map(|n| nodes[n as usize]),
+            Fields::Rounded(nodes, steps) => {
+                let scaled = |[d, v]: [i16; 2]| [f64::from(d) * steps[0], f64::from(v) * steps[1]];
+                numbers.map(|n| scaled(nodes[n as usize]))
+            }
         }
     }
 }

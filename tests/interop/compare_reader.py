@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Holds read_asset.py, written from SPEC.md alone, against `volmap query`.
 
-    compare_reader.py --against VOLMAP ASSET...
+    compare_reader.py --against VOLMAP [--exact ASSET] ASSET...
 
 For each asset: both give the same region and, to 1e-12 of each column's magnitude, the same numbers
 (f32 fields too: a reader computes in f64) at random points, on cell corners and faces, on the
@@ -89,6 +89,8 @@ def refuse_damage(volmap, path, folder):
             "cell_size": file["grid"].attrs["cell_size"].tobytes(),
             "resolution": file["grid"].attrs["resolution"].tobytes(),
         }
+        if "scale_factor" in file["fields/volume"].attrs:
+            known["scale_factor"] = file["fields/volume"].attrs["scale_factor"].tobytes()
         places |= {name: content.find(value) for name, value in known.items()}
         for name in read_asset.TABLES + read_asset.FIELDS:
             if file[name].size:
@@ -112,10 +114,24 @@ def refuse_damage(volmap, path, folder):
     return good
 
 
+def rounded_within_bound(path, exact_path):
+    """The first holds the fields of the second, of f64, in 16 bits: no node differs by more than is promised."""
+    rounded, exact = read_asset.load(path), read_asset.load(exact_path)
+    good = (rounded.precision, exact.precision) == ("i16", "f64") and rounded.band.cells == exact.band.cells
+    for name, bound in zip(("phi", "volume"), rounded.max_error):
+        ours, theirs = getattr(rounded, name), getattr(exact, name)
+        worst = np.abs(ours - theirs).max()
+        within = 0 < worst <= bound and (ours[theirs == 0] == 0).all()
+        print(f"  {name:8} rounded by at most {worst:.4e}, promised {bound:.4e}{'' if within else '  FAILED'}")
+        good &= within
+    return good
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--against", metavar="VOLMAP", required=True)
     parser.add_argument("assets", metavar="ASSET", nargs="+", type=pathlib.Path)
+    parser.add_argument("--exact", metavar="ASSET", help="the fields before they were rounded to 16 bits")
     options = parser.parse_args()
     good = True
     with tempfile.TemporaryDirectory() as folder:
@@ -123,6 +139,7 @@ def main():
         for path in options.assets:
             good &= compare(options.against, path, folder)
             good &= refuse_damage(options.against, path, folder)
+            good &= not options.exact or rounded_within_bound(path, options.exact)
     sys.exit(0 if good else 1)
 
 

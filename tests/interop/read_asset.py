@@ -34,6 +34,7 @@ ELEMENTS = {
     "u32": (h5t.STD_U32LE, h5t.STD_U32BE),
     "f32": (h5t.IEEE_F32LE, h5t.IEEE_F32BE),
     "f64": (h5t.IEEE_F64LE, h5t.IEEE_F64BE),
+    "i16": (h5t.STD_I16LE, h5t.STD_I16BE),
 }
 
 
@@ -111,6 +112,19 @@ def dataset(file, path, kinds, axes):
     digest = blake3(found.encode() + extents + values.tobytes()).hexdigest()
     need(text(data, "blake3") == digest, f"{path}: checksum doesn't match")
     return found, values
+
+
+def field(file, path):
+    """(name of the type, values in f64, bound on what rounding to i16 changed)."""
+    found, values = dataset(file, path, ["f32", "f64", "i16"], 1)
+    step, bound = 1.0, 0.0
+    if found == "i16":
+        step, bound = (numbers(file[path], name, "f") for name in ("scale_factor", "max_error"))
+        need(step > 0 and math.isfinite(32768 * step), f"{path}: scale_factor is out of range")
+        need(bound >= 0 and math.isfinite(bound), f"{path}: max_error is out of range")
+    values = values.astype(np.float64) * step
+    need(np.isfinite(values).all(), f"{path}: not finite")
+    return found, values, bound
 
 
 # Cells and nodes: sections 4 to 6 -----------------------------------------------------------------
@@ -234,14 +248,14 @@ class Map:
         start, end = runs[:, np.argsort(runs[0], kind="stable")]
         need((start[1:] >= end[:-1]).all(), "a cell is both band and solid")
 
-        (precision, phi), (same, volume) = (dataset(file, path, ["f32", "f64"], 1) for path in FIELDS)
+        (precision, phi, phi_error), (same, volume, volume_error) = (field(file, path) for path in FIELDS)
         need(precision == same, "the fields have two types")
-        need(np.isfinite(phi).all() and np.isfinite(volume).all(), "a field isn't finite")
         # Every cell has a corner of its own, so this bounds what number_nodes allocates.
         need(self.band.cells <= len(phi) == len(volume), "length of the fields")
         self.nodes, count = number_nodes(self.band.indices(), self.resolution)
         need(count == len(phi), "length of the fields")
-        self.precision, self.phi, self.volume = precision, phi.astype(np.float64), volume.astype(np.float64)
+        self.precision, self.phi, self.volume = precision, phi, volume
+        self.max_error = phi_error, volume_error
 
     def sample(self, points):
         """Arrays region, distance, normal, closest and volume at the points [n, 3]; NaN where unknown."""

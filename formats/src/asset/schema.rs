@@ -1,9 +1,10 @@
 //! What the objects of the file mean: [`Asset`] to [`Tree`] and back. `SPEC.md` is this file in prose.
 
 use super::error::{AssetError, printable};
+use super::rounded::Rounded;
 #[cfg(feature = "write")]
 use super::tree::Dataset;
-use super::tree::{Array, Attributes, Tree, Value};
+use super::tree::{Array, Attributes, MAX_ERROR, STEP, Tree, Value};
 use super::{Asset, CellRun, Exterior, GridSpec, QuadratureSpec};
 
 /// Value of the root attribute `format`.
@@ -108,11 +109,12 @@ fn runs_dataset(runs: &[CellRun], description: &str) -> Dataset {
 
 #[cfg(feature = "write")]
 fn field_dataset(values: &Array, units: &str, description: &str) -> Dataset {
-    Dataset {
-        shape: vec![values.len()],
-        array: values.clone(),
-        attributes: attributes([("units", units.into()), ("description", description.into())]),
+    let mut attributes = attributes([("units", units.into()), ("description", description.into())]);
+    if let Array::Rounded(rounded) = values {
+        attributes.insert(STEP.into(), rounded.step.into());
+        attributes.insert(MAX_ERROR.into(), rounded.max_error.into());
     }
+    Dataset { shape: vec![values.len()], array: values.clone(), attributes }
 }
 
 /// Reads an asset's tree from bytes, the kind and version of the file first, so that a foreign or newer
@@ -209,13 +211,26 @@ fn runs(tree: &Tree, path: &str) -> Result<Vec<CellRun>, AssetError> {
 fn field(tree: &mut Tree, path: &str) -> Result<Array, AssetError> {
     let dataset = tree.datasets.remove(path).ok_or_else(|| AssetError::Missing(path.into()))?;
     if matches!(dataset.array, Array::U32(_)) {
-        return Err(AssetError::invalid(path, "isn't f32 or f64"));
+        return Err(AssetError::invalid(path, "isn't f32, f64 or i16"));
+    }
+    if let Array::Rounded(rounded) = &dataset.array {
+        check_rounding(path, rounded)?;
     }
     match (dataset.array.is_finite(), dataset.shape.len()) {
         (true, 1) => Ok(dataset.array),
         (false, _) => Err(AssetError::invalid(path, "has values that aren't finite")),
         _ => Err(AssetError::invalid(path, "has more than one axis")),
     }
+}
+
+fn check_rounding(path: &str, rounded: &Rounded) -> Result<(), AssetError> {
+    if !(rounded.step > 0.0 && rounded.step.is_finite()) {
+        return Err(AssetError::invalid(format!("{path}@{STEP}"), "isn't positive and finite"));
+    }
+    if !(rounded.max_error >= 0.0 && rounded.max_error.is_finite()) {
+        return Err(AssetError::invalid(format!("{path}@{MAX_ERROR}"), "isn't a finite bound"));
+    }
+    Ok(())
 }
 
 /// Typed access to a group's attributes.
@@ -339,6 +354,38 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn steps_that_are_out_of_range_are_refused_by_name() {
+        let rounded = |step: f64, max_error: f64| {
+            let mut asset = asset();
+            let field = Rounded { multiples: vec![-32768; 32], step, max_error };
+            asset.signed_distance = Array::Rounded(field.clone());
+            asset.volume = Array::Rounded(field);
+            asset_from_tree(tree_from_asset(&asset)).map(|_| ()).map_err(|error| error.to_string())
+        };
+        assert_eq!(rounded(1e-5, 0.0), Ok(()));
+        for step in [0.0, -1e-5, f64::NAN, f64::INFINITY] {
+            assert!(
+                rounded(step, 1e-5).unwrap_err().contains("/fields/signed_distance@scale_factor"),
+                "{step}"
+            );
+        }
+        for bound in [-1e-9, f64::NAN, f64::INFINITY] {
+            assert!(
+                rounded(1e-5, bound).unwrap_err().contains("/fields/signed_distance@max_error"),
+                "{bound}"
+            );
+        }
+        assert!(rounded(1e305, 1e304).unwrap_err().contains("aren't finite"));
+    }
+
+    #[test]
+    fn checksum_of_16_bits_is_that_of_the_specification() {
+        let field = Rounded { multiples: (0..52).collect(), step: 1e-5, max_error: 5e-6 };
+        let checksum = field_dataset(&Array::Rounded(field), "m", "").checksum();
+        assert!(include_str!("../../SPEC.md").contains(&checksum), "{checksum}");
     }
 
     #[test]

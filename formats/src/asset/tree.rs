@@ -1,6 +1,7 @@
 //! A file's content as plain data: groups with attributes, datasets with arrays, and their checksums.
 //! `write` and `read` translate it to and from HDF5, `schema` gives it meaning.
 
+use super::rounded::Rounded;
 use std::collections::BTreeMap;
 
 /// An attribute's value; arrays of one element are scalars in the file.
@@ -66,6 +67,8 @@ pub enum Array {
     F32(Vec<f32>),
     /// Double precision.
     F64(Vec<f64>),
+    /// 16-bit multiples of a step.
+    Rounded(Rounded),
     /// Indices and counts.
     U32(Vec<u32>),
 }
@@ -76,6 +79,7 @@ impl Array {
         match self {
             Array::F32(v) => v.len(),
             Array::F64(v) => v.len(),
+            Array::Rounded(v) => v.multiples.len(),
             Array::U32(v) => v.len(),
         }
     }
@@ -87,9 +91,12 @@ impl Array {
 
     /// Whether no element is NaN or infinite.
     pub fn is_finite(&self) -> bool {
+        // Without an early end within a block, so that the compiler makes vector code of it.
+        const BLOCK: usize = 1024;
         match self {
-            Array::F32(v) => v.iter().all(|x| x.is_finite()),
-            Array::F64(v) => v.iter().all(|x| x.is_finite()),
+            Array::F32(v) => v.chunks(BLOCK).all(|part| part.iter().fold(true, |all, x| all & x.is_finite())),
+            Array::F64(v) => v.chunks(BLOCK).all(|part| part.iter().fold(true, |all, x| all & x.is_finite())),
+            Array::Rounded(v) => (v.step * f64::from(i16::MIN)).is_finite(),
             Array::U32(_) => true,
         }
     }
@@ -99,22 +106,39 @@ impl Array {
         match self {
             Array::F64(_) => 8,
             Array::F32(_) | Array::U32(_) => 4,
+            Array::Rounded(_) => 2,
         }
     }
 
-    /// The elements as little-endian bytes, as they stand in the file before any filter.
-    pub fn to_le_bytes(&self) -> Vec<u8> {
+    /// The elements `first ..`, at most `count`, as little-endian bytes: as they stand in the file before any filter.
+    #[cfg(feature = "write")]
+    pub(super) fn le_bytes(&self, first: usize, count: usize) -> Vec<u8> {
+        let part = first..self.len().min(first + count);
+        let mut bytes = vec![0; part.len() * self.element_size()];
         match self {
-            Array::F32(v) => v.iter().flat_map(|x| x.to_le_bytes()).collect(),
-            Array::F64(v) => v.iter().flat_map(|x| x.to_le_bytes()).collect(),
-            Array::U32(v) => v.iter().flat_map(|x| x.to_le_bytes()).collect(),
+            Array::F32(v) => to_le_bytes(&v[part], f32::to_le_bytes, &mut bytes),
+            Array::F64(v) => to_le_bytes(&v[part], f64::to_le_bytes, &mut bytes),
+            Array::Rounded(v) => to_le_bytes(&v.multiples[part], i16::to_le_bytes, &mut bytes),
+            Array::U32(v) => to_le_bytes(&v[part], u32::to_le_bytes, &mut bytes),
+        }
+        bytes
+    }
+
+    fn hash(&self, hasher: &mut blake3::Hasher) {
+        match self {
+            Array::F32(v) => hash_elements(hasher, v, f32::to_le_bytes),
+            Array::F64(v) => hash_elements(hasher, v, f64::to_le_bytes),
+            Array::Rounded(v) => hash_elements(hasher, &v.multiples, i16::to_le_bytes),
+            Array::U32(v) => hash_elements(hasher, v, u32::to_le_bytes),
         }
     }
 
-    fn type_name(&self) -> &'static str {
+    /// Type of the elements in the file: `f32`, `f64`, `i16` or `u32`.
+    pub fn type_name(&self) -> &'static str {
         match self {
             Array::F32(_) => "f32",
             Array::F64(_) => "f64",
+            Array::Rounded(_) => "i16",
             Array::U32(_) => "u32",
         }
     }
@@ -139,8 +163,13 @@ impl Dataset {
         for &extent in &self.shape {
             hasher.update(&(extent as u64).to_le_bytes());
         }
-        hasher.update(&self.array.to_le_bytes());
+        self.array.hash(&mut hasher);
         hasher.finalize().to_hex().to_string()
+    }
+
+    /// Whether its checksum matches.
+    pub(crate) fn is_sound(&self) -> bool {
+        states(&self.attributes, self.checksum())
     }
 }
 
@@ -155,6 +184,10 @@ pub struct Tree {
 
 /// Attribute of a dataset that holds its own checksum, and of the root that holds that of all attributes.
 pub(crate) const CHECKSUM: &str = "blake3";
+/// Attributes of a dataset of [`Array::Rounded`]. The name of the first is that of the CF conventions of netCDF,
+/// whose readers apply it by themselves.
+pub(crate) const STEP: &str = "scale_factor";
+pub(crate) const MAX_ERROR: &str = "max_error";
 
 impl Tree {
     /// BLAKE3 of all attributes of all groups and datasets but the root's own `blake3`, as 64 hexadecimal
@@ -189,16 +222,32 @@ impl Tree {
         root.insert(CHECKSUM.into(), checksum.into());
     }
 
-    /// Path of the first object whose checksum doesn't match, root first.
-    pub(crate) fn first_damage(&self) -> Option<String> {
-        let stated =
-            |attributes: &Attributes, actual: String| attributes.get(CHECKSUM) == Some(&Value::Text(actual));
-        let root = self.groups.get("/");
-        if !root.is_some_and(|root| stated(root, self.checksum())) {
-            return Some("/".into());
-        }
-        let mut datasets = self.datasets.iter();
-        datasets.find(|(_, d)| !stated(&d.attributes, d.checksum())).map(|(path, _)| path.clone())
+    /// Whether the root's checksum matches: every dataset's must be in an attribute already.
+    pub(crate) fn has_sound_attributes(&self) -> bool {
+        self.groups.get("/").is_some_and(|root| states(root, self.checksum()))
+    }
+}
+
+fn states(attributes: &Attributes, checksum: String) -> bool {
+    attributes.get(CHECKSUM) == Some(&Value::Text(checksum))
+}
+
+fn to_le_bytes<T: Copy, const N: usize>(elements: &[T], bytes_of: fn(T) -> [u8; N], out: &mut [u8]) {
+    for (out, &element) in out.as_chunks_mut::<N>().0.iter_mut().zip(elements) {
+        *out = bytes_of(element);
+    }
+}
+
+fn hash_elements<T: Copy, const N: usize>(
+    hasher: &mut blake3::Hasher,
+    all: &[T],
+    bytes_of: fn(T) -> [u8; N],
+) {
+    let mut bytes = vec![0; 1 << 16];
+    for part in all.chunks(bytes.len() / N) {
+        let bytes = &mut bytes[..part.len() * N];
+        to_le_bytes(part, bytes_of, bytes);
+        hasher.update(bytes);
     }
 }
 

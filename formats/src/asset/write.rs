@@ -10,6 +10,7 @@ use super::publish::publish;
 use super::read::read_tree;
 use super::schema::asset_from_tree;
 use super::tree::{Array, Attributes, Dataset, Tree, Value};
+use rayon::prelude::*;
 use rust_hdf5::{DatatypeMessage, Filter, FilterPipeline, H5Dataset, H5File, H5Group, H5Type};
 use std::path::Path;
 
@@ -23,15 +24,16 @@ pub enum Compression {
 }
 
 impl Default for Compression {
+    /// Higher levels take far longer for little: `BENCHMARKS.md`.
     fn default() -> Self {
-        Compression::Zstd(9)
+        Compression::Zstd(3)
     }
 }
 
 /// Elements of a chunk along its first axis times the other axes.
 const CHUNK_ELEMENTS: usize = 1 << 16;
 
-/// Writes to a scratch file in the system's temporary folder, reads that back, and only then makes the file.
+/// Writes to a scratch file, reads that back, and only then makes the file.
 pub(super) fn write_file(path: &Path, tree: &Tree, compression: Compression) -> Result<(), AssetError> {
     let bytes = to_bytes(tree, compression).map_err(|error| error.in_file(&std::env::temp_dir()))?;
     let groups: Vec<&str> = tree.groups.keys().map(String::as_str).collect();
@@ -46,7 +48,7 @@ pub(super) fn write_file(path: &Path, tree: &Tree, compression: Compression) -> 
     Ok(publish(&bytes, path)?)
 }
 
-/// That crate writes files only.
+/// That crate writes files only. This one needn't outlast a power cut, nor leave the system's cache.
 fn to_bytes(tree: &Tree, compression: Compression) -> Result<Vec<u8>, AssetError> {
     let scratch = tempfile::Builder::new().prefix("volmap-").suffix(".h5").tempfile()?;
     write_tree(scratch.path(), tree, compression)?;
@@ -70,11 +72,12 @@ fn write_objects(path: &Path, tree: &Tree, compression: Compression) -> rust_hdf
         let created = match &dataset.array {
             Array::F32(_) => write_dataset::<f32>(&file, path, dataset, compression)?,
             Array::F64(_) => write_dataset::<f64>(&file, path, dataset, compression)?,
+            Array::Rounded(_) => write_dataset::<i16>(&file, path, dataset, compression)?,
             Array::U32(_) => write_dataset::<u32>(&file, path, dataset, compression)?,
         };
         write_attributes(&dataset.attributes, &Target::Dataset(&created))?;
     }
-    file.close()
+    file.close_no_sync()
 }
 
 fn write_dataset<T: H5Type>(
@@ -98,13 +101,15 @@ fn write_dataset<T: H5Type>(
         .chunk(&chunk_shape)
         .filter_pipeline(pipeline(element_size, compression))
         .create(path.trim_start_matches('/'))?;
-    let bytes = dataset.array.to_le_bytes();
-    let chunk_bytes = chunk_rows * row * element_size;
-    for (index, chunk) in bytes.chunks(chunk_bytes).enumerate() {
+    let chunk_elements = chunk_rows * row;
+    let chunks = (0..dataset.array.len().div_ceil(chunk_elements)).into_par_iter().map(|index| {
+        let mut bytes = dataset.array.le_bytes(index * chunk_elements, chunk_elements);
         // HDF5 stores the last chunk whole.
-        let mut chunk = chunk.to_vec();
-        chunk.resize(chunk_bytes, 0);
-        created.write_chunk_raw(index, &filtered(&chunk, element_size, compression)?, 0)?;
+        bytes.resize(chunk_elements * element_size, 0);
+        filtered(&bytes, element_size, compression)
+    });
+    for (index, chunk) in chunks.collect::<std::io::Result<Vec<_>>>()?.iter().enumerate() {
+        created.write_chunk_raw(index, chunk, 0)?;
     }
     Ok(created)
 }
