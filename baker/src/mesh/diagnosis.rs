@@ -7,7 +7,7 @@ use volmap_formats::mesh::TriangleMesh;
 use crate::mesh::boundary::{BoundaryLoop, boundary_loops};
 use crate::mesh::nesting::{Nesting, find_nesting};
 use crate::mesh::parts::{Bounds, Parts, corners, surplus};
-use crate::mesh::topology::{DisjointSets, HalfEdge, Topology};
+use crate::mesh::topology::{DisjointSets, Edge, HalfEdge, Topology};
 
 /// Places that are kept of each defect.
 const MAX_PLACES: usize = 8;
@@ -90,22 +90,34 @@ pub struct Diagnosis {
     pub nesting_complete: bool,
 }
 
-/// Examines a mesh; O(n log n).
+/// Examines a mesh; linear time, and that of sorting its holes.
 pub fn diagnose(mesh: &TriangleMesh) -> Diagnosis {
-    let topology = Topology::new(&mesh.triangles);
-    diagnose_with(mesh, &topology)
+    let topology = Topology::new(mesh);
+    diagnose_with(mesh, &topology, None)
 }
 
-/// `diagnose`, for who has the topology already.
-pub fn diagnose_with(mesh: &TriangleMesh, topology: &Topology) -> Diagnosis {
-    let (label, components) = topology.components();
-    let parts = Parts::new(mesh, topology, &label, components);
+/// `diagnose`, for who has the topology already, and the components and their nesting where they are known.
+pub fn diagnose_with(
+    mesh: &TriangleMesh,
+    topology: &Topology,
+    components: Option<(Parts, Nesting)>,
+) -> Diagnosis {
+    let (non_manifold_vertices, (parts, nesting)) = rayon::join(
+        || non_manifold_vertices(mesh, topology),
+        || {
+            components.unwrap_or_else(|| {
+                let (label, count) = topology.components();
+                let parts = Parts::new(mesh, topology, &label, count);
+                let nesting = find_nesting(mesh, &parts);
+                (parts, nesting)
+            })
+        },
+    );
+    let components = parts.list.len();
     let edges = examine_edges(mesh, topology);
-    let non_manifold_vertices = non_manifold_vertices(mesh, topology);
     let mut boundary_loops = boundary_loops(mesh, topology);
     let boundary_loop_count = boundary_loops.len();
     boundary_loops.truncate(MAX_LOOPS);
-    let nesting = find_nesting(mesh, &parts);
     let vertices = used_vertices(mesh);
     let closed = edges.boundary.count == 0 && edges.non_manifold.count == 0;
     let oriented = edges.misoriented.count == 0;
@@ -177,24 +189,20 @@ fn examine_edges(mesh: &TriangleMesh, topology: &Topology) -> EdgeDefects {
         balanced: true,
     };
     for edge in topology.edges() {
-        let surplus = surplus(edge.iter());
+        let surplus = surplus(edge.sides.iter().copied());
         found.balanced &= surplus == 0;
-        match edge.len() {
-            1 => found.boundary.add(middle(mesh, &edge[0])),
-            2 if surplus != 0 => found.misoriented.add(middle(mesh, &edge[0])),
+        match edge.sides.len() {
+            1 => found.boundary.add(middle(mesh, &edge)),
+            2 if surplus != 0 => found.misoriented.add(middle(mesh, &edge)),
             2 => {}
-            _ => found.non_manifold.add(middle(mesh, &edge[0])),
+            _ => found.non_manifold.add(middle(mesh, &edge)),
         }
     }
     found
 }
 
-fn ends(mesh: &TriangleMesh, edge: &HalfEdge) -> [DVec3; 2] {
-    [edge.lower, edge.upper].map(|v| DVec3::from(mesh.vertices[v as usize]))
-}
-
-fn middle(mesh: &TriangleMesh, edge: &HalfEdge) -> DVec3 {
-    let [a, b] = ends(mesh, edge);
+fn middle(mesh: &TriangleMesh, edge: &Edge) -> DVec3 {
+    let [a, b] = edge.ends.map(|v| DVec3::from(mesh.vertices[v as usize]));
     a * 0.5 + b * 0.5
 }
 
@@ -203,8 +211,8 @@ fn middle(mesh: &TriangleMesh, edge: &HalfEdge) -> DVec3 {
 fn non_manifold_vertices(mesh: &TriangleMesh, topology: &Topology) -> Defect {
     let mut corners = DisjointSets::new(3 * mesh.triangles.len());
     for edge in topology.edges() {
-        let [lower, upper] = end_corners(&edge[0]);
-        for half in &edge[1..] {
+        let [lower, upper] = end_corners(&edge.sides[0]);
+        for half in &edge.sides[1..] {
             let [other_lower, other_upper] = end_corners(half);
             corners.union(lower, other_lower);
             corners.union(upper, other_upper);

@@ -39,7 +39,7 @@ impl MeshDistance {
         let vertices: Vec<DVec3> = mesh.vertices.iter().map(|&v| DVec3::from(v)).collect();
         let corners: Vec<[DVec3; 3]> =
             mesh.triangles.iter().map(|triangle| triangle.map(|v| vertices[v as usize])).collect();
-        let topology = Topology::new(&mesh.triangles);
+        let topology = Topology::new(mesh);
         let bvh = Bvh::new(&corners);
         let choice = match sign {
             SignMethod::Auto => choose_sign(diagnosis),
