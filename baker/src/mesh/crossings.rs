@@ -102,14 +102,22 @@ impl Grid {
     #[inline]
     fn visit(&self, corners: &[DVec3; 3], mut call: impl FnMut(u32)) -> u64 {
         let [a, b, c] = corners;
-        let (low, high) = (a.min(*b).min(*c), a.max(*b).max(*c));
-        let beside = low.y > self.upper[0] || high.y < self.lower[0];
-        if beside || low.z > self.upper[1] || high.z < self.lower[1] {
+        // Without a thought for NaN, unlike `f64::min` and `f64::max`.
+        let min = |a: f64, b: f64| if a < b { a } else { b };
+        let max = |a: f64, b: f64| if a > b { a } else { b };
+        let range = |[a, b, c]: [f64; 3]| (min(min(a, b), c), max(max(a, b), c));
+        let (low, high) = range([a.y, b.y, c.y]);
+        if low > self.upper[0] || high < self.lower[0] {
             return 0;
         }
-        let (first, last) = (self.column(1, low.z), self.column(1, high.z));
+        let rows = self.column(0, low)..=self.column(0, high);
+        let (low, high) = range([a.z, b.z, c.z]);
+        if low > self.upper[1] || high < self.lower[1] {
+            return 0;
+        }
+        let (first, last) = (self.column(1, low), self.column(1, high));
         let mut count = 0;
-        for row in self.column(0, low.y)..=self.column(0, high.y) {
+        for row in rows {
             let cell = row * self.cells + first;
             let start = if cell == 0 { 0 } else { self.ends[cell - 1] };
             let points = start as usize..self.ends[row * self.cells + last] as usize;

@@ -43,7 +43,7 @@ pub fn orient(mesh: &mut TriangleMesh) -> OrientationRepair {
 /// `orient`, for who has the topology already; it follows the mesh. Returns the oriented patches and how
 /// they are nested too.
 pub fn orient_with(mesh: &mut TriangleMesh, topology: &mut Topology) -> (OrientationRepair, Parts, Nesting) {
-    let patches = flood(&topology.neighbours());
+    let patches = flood(topology.neighbours());
     let mut repair = OrientationRepair::default();
     let mut flipped = vec![false; mesh.triangles.len()];
     if let Some(flip) = consistent_flips(mesh, topology, &patches, &mut repair) {

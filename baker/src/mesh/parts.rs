@@ -25,6 +25,14 @@ impl Bounds {
         self.upper = DVec3::from(self.upper).max(point).to_array();
     }
 
+    /// The box around both.
+    pub fn joined(&self, other: &Bounds) -> Bounds {
+        Bounds {
+            lower: DVec3::from(self.lower).min(DVec3::from(other.lower)).to_array(),
+            upper: DVec3::from(self.upper).max(DVec3::from(other.upper)).to_array(),
+        }
+    }
+
     /// True where the boxes have a point in common.
     pub fn overlaps(&self, other: &Bounds) -> bool {
         (0..3).all(|i| self.lower[i] <= other.upper[i] && other.lower[i] <= self.upper[i])

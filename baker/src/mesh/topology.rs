@@ -50,14 +50,15 @@ pub struct Edge<'a> {
 }
 
 /// All edges of a mesh.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Topology {
     half_edges: Vec<HalfEdge>,
     /// The vertices of each edge.
     ends: Vec<[u32; 2]>,
     /// Where each edge's half-edges start, and their number at the end.
     starts: Vec<u32>,
-    face_count: usize,
+    /// What lies across each side of each face.
+    neighbours: Vec<[Neighbour; 3]>,
 }
 
 impl Topology {
@@ -68,7 +69,7 @@ impl Topology {
             half_edges: Vec::with_capacity(sides.len()),
             ends: Vec::with_capacity(sides.len() / 2 + 1),
             starts: Vec::with_capacity(sides.len() / 2 + 2),
-            face_count: mesh.triangles.len(),
+            neighbours: vec![[Neighbour::NONE; 3]; mesh.triangles.len()],
         };
         let mut start = 0;
         for (lower, &end) in ends.iter().enumerate() {
@@ -86,6 +87,7 @@ impl Topology {
             }
         }
         topology.starts.push(topology.half_edges.len() as u32);
+        topology.find_neighbours();
         topology
     }
 
@@ -100,30 +102,34 @@ impl Topology {
         self.ends.iter().zip(ranges).map(|(&ends, range)| Edge { ends, sides: &self.half_edges[range] })
     }
 
+    /// What lies across each side of each face.
+    pub fn neighbours(&self) -> &[[Neighbour; 3]] {
+        &self.neighbours
+    }
+
+    fn find_neighbours(&mut self) {
+        for range in self.starts.windows(2) {
+            if let [a, b] = self.half_edges[range[0] as usize..range[1] as usize] {
+                let same_way = a.forward() == b.forward();
+                self.neighbours[a.face()][a.side()] = Neighbour::new(b, same_way);
+                self.neighbours[b.face()][b.side()] = Neighbour::new(a, same_way);
+            }
+        }
+    }
+
     /// Follows the mesh where the second and third corner of triangles change places.
     pub fn flip(&mut self, flip: &[bool]) {
         for half in self.half_edges.iter_mut().filter(|half| flip[half.face()]) {
             *half = half.flipped();
         }
-    }
-
-    /// What lies across each side of each face.
-    pub fn neighbours(&self) -> Vec<[Neighbour; 3]> {
-        let mut neighbours = vec![[Neighbour::NONE; 3]; self.face_count];
-        for edge in self.edges() {
-            if let [a, b] = *edge.sides {
-                let same_way = a.forward() == b.forward();
-                neighbours[a.face()][a.side()] = Neighbour::new(b, same_way);
-                neighbours[b.face()][b.side()] = Neighbour::new(a, same_way);
-            }
-        }
-        neighbours
+        self.neighbours.fill([Neighbour::NONE; 3]);
+        self.find_neighbours();
     }
 
     /// Number of each face's component; faces that share an edge are in the same one. Components are
     /// numbered in the order of their first faces.
     pub fn components(&self) -> (Vec<u32>, usize) {
-        let mut sets = DisjointSets::new(self.face_count);
+        let mut sets = DisjointSets::new(self.neighbours.len());
         for edge in self.edges() {
             for other in &edge.sides[1..] {
                 sets.union(edge.sides[0].face() as u32, other.face() as u32);
@@ -148,9 +154,14 @@ impl Neighbour {
         Neighbour { code: HalfEdge::new(side.corner(), same_way).code }
     }
 
+    /// Face times three plus side, if there is exactly one.
+    pub fn corner(self) -> Option<usize> {
+        (self != Neighbour::NONE).then_some((self.code >> 1) as usize)
+    }
+
     /// Index of the triangle, if there is exactly one.
     pub fn face(self) -> Option<usize> {
-        (self != Neighbour::NONE).then_some((self.code >> 1) as usize / 3)
+        self.corner().map(|corner| corner / 3)
     }
 
     /// True where both triangles run along the edge the same way: one should be turned.
@@ -223,10 +234,11 @@ impl DisjointSets {
         i
     }
 
-    /// Joins the sets of `a` and `b`.
-    pub fn union(&mut self, a: u32, b: u32) {
+    /// Joins the sets of `a` and `b`; true if they were two.
+    pub fn union(&mut self, a: u32, b: u32) -> bool {
         let (a, b) = (self.find(a), self.find(b));
         self.parent[a.max(b) as usize] = a.min(b);
+        a != b
     }
 
     /// Number of each member's set, in the order of their lowest members, and how many there are.

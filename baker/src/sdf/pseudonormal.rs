@@ -35,7 +35,7 @@ impl Pseudonormals {
                 sums[v as usize] += normal * corner_angle(&corners, i);
             }
         }
-        Pseudonormals { faces, vertices: sums, neighbours: topology.neighbours() }
+        Pseudonormals { faces, vertices: sums, neighbours: topology.neighbours().to_vec() }
     }
 
     /// Pseudonormal of the feature on which `closest` lies; not of unit length.

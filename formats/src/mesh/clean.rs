@@ -136,9 +136,14 @@ fn compact(mut positions: Vec<[f64; 3]>, mut triangles: Vec<[u32; 3]>) -> Triang
     TriangleMesh { vertices: positions, triangles }
 }
 
+/// Without a thought for NaN, unlike `f64::max`.
+fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
 /// Whether the height over the longest edge is below rounding of the coordinates.
 fn has_no_area([a, b, c]: [[f64; 3]; 3]) -> bool {
-    let size = [a, b, c].iter().flatten().fold(0.0f64, |max, c| max.max(c.abs()));
+    let size = [a, b, c].iter().flatten().fold(0.0f64, |max, c| larger(max, c.abs()));
     if size == 0.0 {
         return true;
     }
@@ -162,6 +167,6 @@ fn surely_has_area([a, b, c]: [[f64; 3]; 3], size: f64) -> bool {
     let (u, v, w) = (minus(b, a), minus(c, a), minus(c, b));
     let dot = |p: [f64; 3], q: [f64; 3]| p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
     let cross = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
-    let longest_squared = dot(u, u).max(dot(v, v)).max(dot(w, w));
+    let longest_squared = larger(larger(dot(u, u), dot(v, v)), dot(w, w));
     (1e-50..1e50).contains(&size) && dot(cross, cross) > WIDER * WIDER * longest_squared * (size * size)
 }

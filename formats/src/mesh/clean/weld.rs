@@ -25,29 +25,45 @@ struct Places<'a> {
     /// Vertices that are the earliest of their positions, or `FREE`; a power of two of slots.
     slots: Vec<u32>,
     used: usize,
+    /// What was found last for a hash: equal positions are mostly near each other in a file, and this,
+    /// unlike the slots of a large mesh, stays in the cache.
+    recent: Vec<u32>,
     keys: [u64; 3],
 }
 
 const FREE: u32 = u32::MAX;
+const RECENT: usize = 1 << 14;
 
 impl Places<'_> {
     fn new(positions: &[[f64; 3]]) -> Places<'_> {
         let random = RandomState::new();
         let keys = [0, 1, 2].map(|k: u64| random.hash_one(k));
-        Places { positions, slots: vec![FREE; 1024], used: 0, keys }
+        Places { positions, slots: vec![FREE; 1024], used: 0, recent: vec![0; RECENT], keys }
     }
 
     /// The earliest vertex at the position of `k`; those before `k` were asked for already.
     #[inline]
     fn earliest(&mut self, k: u32) -> u32 {
         let bits = self.bits(k);
-        let mut slot = self.slot(bits);
-        loop {
-            match self.slots[slot] {
-                FREE => break,
-                other if self.bits(other) == bits => return other,
-                _ => slot = (slot + 1) & (self.slots.len() - 1),
+        let hash = self.hash(bits);
+        let recent = hash >> (64 - RECENT.ilog2());
+        let candidate = self.recent[recent as usize];
+        if candidate < k && self.bits(candidate) == bits {
+            return candidate;
+        }
+        let found = self.find(hash, bits, k);
+        self.recent[recent as usize] = found;
+        found
+    }
+
+    fn find(&mut self, hash: u64, bits: [u64; 3], k: u32) -> u32 {
+        let mask = self.slots.len() - 1;
+        let mut slot = hash as usize & mask;
+        while self.slots[slot] != FREE {
+            if self.bits(self.slots[slot]) == bits {
+                return self.slots[slot];
             }
+            slot = (slot + 1) & mask;
         }
         self.slots[slot] = k;
         self.used += 1;
@@ -62,7 +78,7 @@ impl Places<'_> {
         let mask = slots.len() - 1;
         let old = std::mem::replace(&mut self.slots, slots);
         for k in old.into_iter().filter(|&k| k != FREE) {
-            let mut slot = self.slot(self.bits(k));
+            let mut slot = self.hash(self.bits(k)) as usize & mask;
             while self.slots[slot] != FREE {
                 slot = (slot + 1) & mask;
             }
@@ -77,10 +93,9 @@ impl Places<'_> {
     }
 
     #[inline]
-    fn slot(&self, [x, y, z]: [u64; 3]) -> usize {
+    fn hash(&self, [x, y, z]: [u64; 3]) -> u64 {
         let [a, b, c] = self.keys;
-        let hash = folded(folded(x ^ a, y ^ b) ^ z, c);
-        hash as usize & (self.slots.len() - 1)
+        folded(folded(x ^ a, y ^ b) ^ z, c)
     }
 }
 

@@ -3,7 +3,7 @@
 //! Whatever is unusual (comments, continued lines, long numbers, errors) is left to the general
 //! reader, which starts the line again: `None`. What is read is the same either way.
 
-use super::super::decimal::short_decimal;
+use super::super::decimal::{digits, short_decimal};
 
 /// A vertex: what follows the `v`, and where the line ends.
 pub fn vertex(bytes: &[u8]) -> Option<([f64; 3], usize)> {
@@ -32,17 +32,12 @@ pub fn face(bytes: &[u8], count: usize, corners: &mut Vec<u32>) -> Option<usize>
         }
         let backwards = bytes[at] == b'-';
         let start = at + usize::from(backwards);
-        let mut number = 0;
-        at = start;
-        while let Some(digit) = bytes.get(at).map(|byte| byte.wrapping_sub(b'0'))
-            && digit < 10
-        {
-            number = 10 * number + i64::from(digit);
-            at += 1;
-            if at == start + 18 {
-                return None;
-            }
+        let (number, end) = digits(bytes, start, 0);
+        if end > start + 18 {
+            return None;
         }
+        at = end;
+        let number = number as i64;
         corners.push(vertex_index(if backwards { -number } else { number }, count)?);
         if bytes.get(at) == Some(&b'/') {
             at = skip_references(bytes, at)?;
@@ -96,4 +91,37 @@ fn ends_word(bytes: &[u8], at: usize) -> bool {
 
 fn ends_line(bytes: &[u8], at: usize) -> bool {
     matches!(bytes.get(at), None | Some(b'\n' | b'\r'))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::read;
+    use super::*;
+
+    #[test]
+    fn plain_lines_are_read_and_others_left() {
+        let mut corners = Vec::new();
+        assert_eq!(vertex(b" 1.5\t-2e1  .25 1 0 0\r\nv"), Some(([1.5, -20.0, 0.25], 20)));
+        assert_eq!(face(b" 1/2/3 2//3 -1 4\nf", 9, &mut corners), Some(16));
+        assert_eq!(corners, [0, 1, 8, 3]);
+        assert_eq!(face(b"", 9, &mut corners), Some(0));
+        for line in [" 1 2", " 1 2 nan", " 1 2 3#", " 1 2 3 \\\n4", " 1 2 0.12345678901234567", " 1,5 2 3"] {
+            assert_eq!(vertex(line.as_bytes()), None, "{line}");
+        }
+        for line in [" 0 1 2", " 1 2 3#", " 1 2/\\\n3", " 1 2 3 \\\n4", " +1 2 3", " 1 2 1234567890123456789"]
+        {
+            assert_eq!(face(line.as_bytes(), 9, &mut corners), None, "{line}");
+        }
+    }
+
+    /// A comment makes any line an unusual one.
+    #[test]
+    fn both_ways_read_the_same() {
+        let lines = "v 1 2 3\nv 0.25 -1e-3 7.0\nv\t1 2\t3 4 \nv 0 0 1\nf 1 2 3\nf 4/1 3/1/1 2//7 1\nf -1 -2 -4\n\
+                     f 1 2\nf 1\nf \nf 5 1 2\nv 9 9 9\n";
+        let commented = lines.replace('\n', " #\n");
+        let (plain, general) = (read(lines.as_bytes()).unwrap(), read(commented.as_bytes()).unwrap());
+        assert_eq!(plain, general);
+        assert_eq!((plain.positions.len(), plain.faces.len(), plain.skipped.total()), (5, 4, 3));
+    }
 }
