@@ -21,9 +21,9 @@ const MAX_CELLS: usize = 1024;
 /// 1997, "Adaptive precision floating-point arithmetic and fast robust geometric predicates".
 const DETERMINANT_ERROR: f64 = 8e-16;
 
-/// Winding numbers around points; `None` for one on the surface, to rounding. `triangles` of the mesh
-/// form a surface whose edges are run through as often one way as the other. `None` for all if it
-/// would take too long.
+/// Winding numbers around points. A point on the surface, to rounding, gets `None` if it is a corner, and
+/// else `None` or the number of either side. `triangles` of the mesh form a surface whose edges are run
+/// through as often one way as the other. `None` for all if it would take too long.
 pub fn winding_numbers(mesh: &TriangleMesh, triangles: &[u32], points: &[DVec3]) -> Option<Vec<Option<i64>>> {
     let grid = Grid::new(points);
     let turns: Vec<AtomicI64> = points.iter().map(|_| AtomicI64::new(0)).collect();
@@ -138,6 +138,9 @@ enum Crossing {
 
 /// How the ray from `p` to +x meets a triangle.
 fn crossing(p: DVec3, [a, b, c]: &[DVec3; 3]) -> Crossing {
+    if p == *a || p == *b || p == *c {
+        return Crossing::OnSurface;
+    }
     let turn = passes(p, a, b) + passes(p, b, c) + passes(p, c, a);
     if turn == 0 || a.x.max(b.x).max(c.x) < p.x {
         return Crossing::None;

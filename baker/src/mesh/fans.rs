@@ -59,7 +59,7 @@ fn next_corner(corner: usize) -> usize {
 }
 
 fn last_corner(corner: usize) -> usize {
-    if corner % 3 == 0 { corner + 2 } else { corner - 1 }
+    if corner.is_multiple_of(3) { corner + 2 } else { corner - 1 }
 }
 
 /// A corner, and over which of its sides the way leads on.
