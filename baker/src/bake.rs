@@ -4,7 +4,7 @@ use crate::describe;
 use crate::error::Error;
 use crate::input::{Input, Source, bounds};
 use crate::maps::{Maps, Stage, compute_maps};
-use crate::mesh::{Diagnosis, OrientationRepair, diagnose, orient};
+use crate::mesh::{Diagnosis, OrientationRepair, Prepared, prepare};
 use crate::plan::{Extent, GridChoice, Plan, Precision, Settings, plan};
 use crate::rows::positions;
 use crate::sdf::boundary_distance::BoundaryDistance;
@@ -120,11 +120,7 @@ pub fn bake(
 ) -> Result<Bake, Error> {
     let mut clock = Clock { last: Instant::now(), laps: Vec::new() };
     on_step(Step::Mesh);
-    let repair = match settings.keep_orientation {
-        true => OrientationRepair::default(),
-        false => orient(&mut input.mesh),
-    };
-    let diagnosis = diagnose(&input.mesh);
+    let Prepared { repair, diagnosis, .. } = prepare(&mut input.mesh, settings.keep_orientation);
     clock.lap("mesh");
     let [min, max] = bounds(&input.mesh);
     let extent = Extent { min, max, area: diagnosis.area };

@@ -4,7 +4,7 @@ use crate::error::Error;
 use glam::DVec3;
 use serde::Serialize;
 use std::path::Path;
-use volmap_formats::mesh::{self, CleanReport, CleanSettings, MeshFormat, Placement, TriangleMesh};
+use volmap_formats::mesh::{self, CleanReport, CleanSettings, Placement, TriangleMesh};
 
 /// How a mesh file becomes a mesh.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -48,8 +48,15 @@ pub struct Source {
 /// # Errors
 /// A file that can't be read or used; a placement that can't be.
 pub fn load(path: &Path, settings: &InputSettings) -> Result<Input, Error> {
-    let raw = mesh::read_mesh(path)?;
-    let source = source(path, raw.format)?;
+    let bytes = mesh::read_bytes(path)?;
+    let (raw, hash) = rayon::join(|| mesh::parse_mesh(path, &bytes), || blake3::hash(&bytes));
+    drop(bytes);
+    let raw = raw?;
+    let source = Source {
+        file: path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+        format: raw.format.to_string(),
+        blake3: hash.to_hex().to_string(),
+    };
     let unit = settings.unit.or(raw.unit).unwrap_or(1.0);
     let placement = Placement { unit, ..settings.placement };
     let clean_settings = CleanSettings { weld_tolerance: settings.weld_tolerance };
@@ -57,17 +64,6 @@ pub fn load(path: &Path, settings: &InputSettings) -> Result<Input, Error> {
     let (mut mesh, cleaning) = mesh::clean(raw, &clean_settings).map_err(in_file)?;
     placement.apply(&mut mesh).map_err(in_file)?;
     Ok(Input { mesh, source, cleaning, placement, weld_tolerance: settings.weld_tolerance })
-}
-
-fn source(path: &Path, format: MeshFormat) -> Result<Source, Error> {
-    let mut hasher = blake3::Hasher::new();
-    let hashed = std::fs::File::open(path).and_then(|file| hasher.update_reader(file).map(|_| ()));
-    hashed.map_err(|error| Error::Io { path: path.to_owned(), source: error })?;
-    Ok(Source {
-        file: path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
-        format: format.to_string(),
-        blake3: hasher.finalize().to_hex().to_string(),
-    })
 }
 
 /// Lowest and highest corner of a mesh's box, metres.

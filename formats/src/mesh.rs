@@ -17,6 +17,7 @@ use std::path::Path;
 mod binary;
 pub mod budget;
 mod clean;
+mod decimal;
 mod error;
 mod gltf;
 mod guard;
@@ -68,6 +69,26 @@ pub fn read_mesh(path: &Path) -> Result<RawMesh, MeshError> {
 }
 
 fn read_file(path: &Path) -> Result<RawMesh, MeshError> {
+    parse_file(path, &file_bytes(path)?)
+}
+
+/// The bytes of a mesh file, for [`parse_mesh`].
+///
+/// # Errors
+/// [`MeshError::Io`] if it can't be read or isn't a regular file, with the file's name.
+pub fn read_bytes(path: &Path) -> Result<Vec<u8>, MeshError> {
+    file_bytes(path).map_err(|error| error.in_file(path))
+}
+
+/// [`read_mesh`], for who has the file's bytes already.
+///
+/// # Errors
+/// A [`MeshError`] that names the file.
+pub fn parse_mesh(path: &Path, bytes: &[u8]) -> Result<RawMesh, MeshError> {
+    parse_file(path, bytes).map_err(|error| error.in_file(path))
+}
+
+fn file_bytes(path: &Path) -> Result<Vec<u8>, MeshError> {
     let io = |error| MeshError::Io { what: "cannot read the file".into(), error };
     // A FIFO or a device has no size, so nothing would bound what is read.
     if !fs::metadata(path).map_err(io)?.is_file() {
@@ -76,10 +97,13 @@ fn read_file(path: &Path) -> Result<RawMesh, MeshError> {
             error: std::io::Error::other("not a regular file"),
         });
     }
-    let bytes = fs::read(path).map_err(io)?;
-    let format = MeshFormat::detect(path, &bytes)?;
+    fs::read(path).map_err(io)
+}
+
+fn parse_file(path: &Path, bytes: &[u8]) -> Result<RawMesh, MeshError> {
+    let format = MeshFormat::detect(path, bytes)?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    read(&bytes, format, Some(folder))
+    read(bytes, format, Some(folder))
 }
 
 /// Reads a mesh from memory. A glTF file's buffers must be inside it (GLB, or `data:` URIs).

@@ -23,7 +23,7 @@ pub struct BoundaryLoop {
 /// All boundary loops, the longest first. Each passes a vertex once: loops that touch are apart.
 pub fn boundary_loops(mesh: &TriangleMesh, topology: &Topology) -> Vec<BoundaryLoop> {
     let edges: Vec<[u32; 2]> =
-        topology.edges().filter(|edge| edge.len() == 1).map(|edge| [edge[0].lower, edge[0].upper]).collect();
+        topology.edges().filter(|edge| edge.sides.len() == 1).map(|edge| edge.ends).collect();
     let mut loops: Vec<BoundaryLoop> = simple_loops(&edges)
         .iter()
         .map(|members| measure(mesh, members.iter().map(|&edge| edges[edge])))
@@ -37,15 +37,21 @@ struct Walk<'a> {
     edges: &'a [[u32; 2]],
     /// Vertex and edge, sorted.
     incidences: Vec<(u32, usize)>,
+    /// For each vertex, its first incidence whose edge may not have been walked.
+    next: Vec<usize>,
     walked: Vec<bool>,
 }
 
 impl Walk<'_> {
     /// Takes the first edge at `vertex` that hasn't been walked, and returns it and its other end.
     fn step(&mut self, vertex: u32) -> Option<(usize, u32)> {
-        let first = self.incidences.partition_point(|i| i.0 < vertex);
-        let at_vertex = self.incidences[first..].iter().take_while(|i| i.0 == vertex);
-        let edge = at_vertex.map(|i| i.1).find(|&edge| !self.walked[edge])?;
+        let next = &mut self.next[vertex as usize];
+        while let Some(&(_, edge)) = self.incidences.get(*next).filter(|i| i.0 == vertex)
+            && self.walked[edge]
+        {
+            *next += 1;
+        }
+        let &(_, edge) = self.incidences.get(*next).filter(|i| i.0 == vertex)?;
         self.walked[edge] = true;
         let [a, b] = self.edges[edge];
         Some((edge, if a == vertex { b } else { a }))
@@ -58,8 +64,12 @@ fn simple_loops(edges: &[[u32; 2]]) -> Vec<Vec<usize>> {
     let mut incidences: Vec<(u32, usize)> =
         edges.iter().enumerate().flat_map(|(i, edge)| edge.map(|v| (v, i))).collect();
     incidences.sort_unstable();
-    let mut walk = Walk { edges, incidences, walked: vec![false; edges.len()] };
     let highest = edges.iter().flatten().max().map_or(0, |&v| v as usize + 1);
+    let mut next = vec![0; highest];
+    for (k, &(vertex, _)) in incidences.iter().enumerate().rev() {
+        next[vertex as usize] = k;
+    }
+    let mut walk = Walk { edges, incidences, next, walked: vec![false; edges.len()] };
     const NOT_ON_WAY: usize = usize::MAX;
     let mut place_on_way = vec![NOT_ON_WAY; highest];
     let mut loops = Vec::new();

@@ -5,9 +5,10 @@ use serde::Serialize;
 use volmap_formats::mesh::TriangleMesh;
 
 use crate::mesh::boundary::{BoundaryLoop, boundary_loops};
+use crate::mesh::fans::count_fans;
 use crate::mesh::nesting::{Nesting, find_nesting};
 use crate::mesh::parts::{Bounds, Parts, corners, surplus};
-use crate::mesh::topology::{DisjointSets, HalfEdge, Topology};
+use crate::mesh::topology::{Edge, Topology};
 
 /// Places that are kept of each defect.
 const MAX_PLACES: usize = 8;
@@ -90,23 +91,34 @@ pub struct Diagnosis {
     pub nesting_complete: bool,
 }
 
-/// Examines a mesh; O(n log n).
+/// Examines a mesh; linear time, and that of sorting its holes.
 pub fn diagnose(mesh: &TriangleMesh) -> Diagnosis {
-    let topology = Topology::new(&mesh.triangles);
-    diagnose_with(mesh, &topology)
+    let topology = Topology::new(mesh);
+    diagnose_with(mesh, &topology, None)
 }
 
-/// `diagnose`, for who has the topology already.
-pub fn diagnose_with(mesh: &TriangleMesh, topology: &Topology) -> Diagnosis {
-    let (label, components) = topology.components();
-    let parts = Parts::new(mesh, topology, &label, components);
+/// `diagnose`, for who has the topology already, and the components and their nesting where they are known.
+pub fn diagnose_with(
+    mesh: &TriangleMesh,
+    topology: &Topology,
+    components: Option<(Parts, Nesting)>,
+) -> Diagnosis {
+    let ((non_manifold_vertices, vertices), (parts, nesting)) = rayon::join(
+        || non_manifold_vertices(mesh, topology),
+        || {
+            components.unwrap_or_else(|| {
+                let (label, count) = topology.components();
+                let parts = Parts::new(mesh, topology, &label, count);
+                let nesting = find_nesting(mesh, &parts);
+                (parts, nesting)
+            })
+        },
+    );
+    let components = parts.list.len();
     let edges = examine_edges(mesh, topology);
-    let non_manifold_vertices = non_manifold_vertices(mesh, topology);
     let mut boundary_loops = boundary_loops(mesh, topology);
     let boundary_loop_count = boundary_loops.len();
     boundary_loops.truncate(MAX_LOOPS);
-    let nesting = find_nesting(mesh, &parts);
-    let vertices = used_vertices(mesh);
     let closed = edges.boundary.count == 0 && edges.non_manifold.count == 0;
     let oriented = edges.misoriented.count == 0;
     let euler = vertices as i64 - topology.edge_count() as i64 + mesh.triangles.len() as i64;
@@ -125,7 +137,7 @@ pub fn diagnose_with(mesh: &TriangleMesh, topology: &Topology) -> Diagnosis {
         genus: manifold.then_some(components as i64 - euler / 2),
         area: parts.list.iter().map(|part| part.area).sum(),
         volume: parts.list.iter().map(|part| part.volume).sum(),
-        bounds: bounds_of(mesh),
+        bounds: parts.list.iter().fold(Bounds::EMPTY, |all, part| all.joined(&part.bounds)),
         zero_area_triangles: zero_area_triangles(mesh),
         boundary_edges: edges.boundary,
         non_manifold_edges: edges.non_manifold,
@@ -177,59 +189,31 @@ fn examine_edges(mesh: &TriangleMesh, topology: &Topology) -> EdgeDefects {
         balanced: true,
     };
     for edge in topology.edges() {
-        let surplus = surplus(edge.iter());
+        let surplus = surplus(edge.sides.iter().copied());
         found.balanced &= surplus == 0;
-        match edge.len() {
-            1 => found.boundary.add(middle(mesh, &edge[0])),
-            2 if surplus != 0 => found.misoriented.add(middle(mesh, &edge[0])),
+        match edge.sides.len() {
+            1 => found.boundary.add(middle(mesh, &edge)),
+            2 if surplus != 0 => found.misoriented.add(middle(mesh, &edge)),
             2 => {}
-            _ => found.non_manifold.add(middle(mesh, &edge[0])),
+            _ => found.non_manifold.add(middle(mesh, &edge)),
         }
     }
     found
 }
 
-fn ends(mesh: &TriangleMesh, edge: &HalfEdge) -> [DVec3; 2] {
-    [edge.lower, edge.upper].map(|v| DVec3::from(mesh.vertices[v as usize]))
-}
-
-fn middle(mesh: &TriangleMesh, edge: &HalfEdge) -> DVec3 {
-    let [a, b] = ends(mesh, edge);
+fn middle(mesh: &TriangleMesh, edge: &Edge) -> DVec3 {
+    let [a, b] = edge.ends.map(|v| DVec3::from(mesh.vertices[v as usize]));
     a * 0.5 + b * 0.5
 }
 
-/// Corners at the same vertex are joined where their triangles share an edge there: into the fans around
-/// the vertices.
-fn non_manifold_vertices(mesh: &TriangleMesh, topology: &Topology) -> Defect {
-    let mut corners = DisjointSets::new(3 * mesh.triangles.len());
-    for edge in topology.edges() {
-        let [lower, upper] = end_corners(&edge[0]);
-        for half in &edge[1..] {
-            let [other_lower, other_upper] = end_corners(half);
-            corners.union(lower, other_lower);
-            corners.union(upper, other_upper);
-        }
-    }
-    let mut fans = vec![0u32; mesh.vertices.len()];
-    for (i, &vertex) in mesh.triangles.iter().flatten().enumerate() {
-        if corners.find(i as u32) == i as u32 {
-            fans[vertex as usize] += 1;
-        }
-    }
+/// Those, and how many vertices have faces at all.
+fn non_manifold_vertices(mesh: &TriangleMesh, topology: &Topology) -> (Defect, usize) {
+    let fans = count_fans(mesh, topology);
     let mut defect = Defect::default();
-    for (vertex, &count) in mesh.vertices.iter().zip(&fans) {
-        if count > 1 {
-            defect.add(DVec3::from(*vertex));
-        }
+    for (vertex, _) in mesh.vertices.iter().zip(&fans).filter(|(_, fans)| **fans > 1) {
+        defect.add(DVec3::from(*vertex));
     }
-    defect
-}
-
-/// Corners of the half-edge's triangle at the edge's lower and upper vertex.
-fn end_corners(half: &HalfEdge) -> [u32; 2] {
-    let from = (3 * half.face() + half.side()) as u32;
-    let to = (3 * half.face() + (half.side() + 1) % 3) as u32;
-    if half.forward() { [from, to] } else { [to, from] }
+    (defect, fans.into_iter().filter(|&fans| fans > 0).count())
 }
 
 fn zero_area_triangles(mesh: &TriangleMesh) -> Defect {
@@ -241,20 +225,4 @@ fn zero_area_triangles(mesh: &TriangleMesh) -> Defect {
         }
     }
     defect
-}
-
-fn used_vertices(mesh: &TriangleMesh) -> usize {
-    let mut used = vec![false; mesh.vertices.len()];
-    for &vertex in mesh.triangles.iter().flatten() {
-        used[vertex as usize] = true;
-    }
-    used.into_iter().filter(|&used| used).count()
-}
-
-fn bounds_of(mesh: &TriangleMesh) -> Bounds {
-    let mut bounds = Bounds::EMPTY;
-    for &vertex in mesh.triangles.iter().flatten() {
-        bounds.grow(DVec3::from(mesh.vertices[vertex as usize]));
-    }
-    bounds
 }

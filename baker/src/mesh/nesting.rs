@@ -1,12 +1,13 @@
 //! Which closed parts of a mesh lie inside which.
 
+use std::ops::Range;
+
 use glam::DVec3;
 use rayon::prelude::*;
 use volmap_formats::mesh::TriangleMesh;
 
+use crate::mesh::crossings::winding_numbers;
 use crate::mesh::parts::{Parts, corners};
-use crate::sdf::bvh::Bvh;
-use crate::sdf::winding::{BETA, WindingNumbers};
 
 /// Pairs of parts that are looked at, at most.
 const MAX_PAIRS: usize = 1 << 20;
@@ -20,7 +21,7 @@ pub struct Nesting {
     pub containers: Vec<Vec<u32>>,
     /// Pairs whose boxes overlap although neither lies inside the other: they may intersect.
     pub overlapping: Vec<(u32, u32)>,
-    /// False where there were too many pairs to look at all of them.
+    /// False where it would have taken too long to look at all pairs.
     pub complete: bool,
 }
 
@@ -37,14 +38,17 @@ pub fn find_nesting(mesh: &TriangleMesh, parts: &Parts) -> Nesting {
     let (pairs, complete) = overlapping_boxes(parts);
     let mut nesting =
         Nesting { containers: vec![Vec::new(); parts.list.len()], overlapping: Vec::new(), complete };
-    // Grouped by the outer part, so that each part's tree is built once.
+    // Grouped by the outer part, so that each part's triangles are gone through once.
     let groups: Vec<&[(u32, u32)]> = pairs.chunk_by(|a, b| a.0 == b.0).collect();
-    let found: Vec<Vec<Position>> = groups.par_iter().map(|group| positions(mesh, parts, group)).collect();
-    for (&(outer, inner), position) in pairs.iter().zip(found.iter().flatten()) {
-        match position {
-            Position::Inside => nesting.containers[inner as usize].push(outer),
-            // Each pair comes both ways round; it may still be the other way that nests.
-            Position::Apart => nesting.overlapping.push((outer.min(inner), outer.max(inner))),
+    let found: Vec<Option<Vec<bool>>> = groups.par_iter().map(|group| nested(mesh, parts, group)).collect();
+    for (group, inside) in groups.iter().zip(found) {
+        nesting.complete &= inside.is_some();
+        for (k, &(outer, inner)) in group.iter().enumerate() {
+            match inside.as_ref().is_some_and(|inside| inside[k]) {
+                true => nesting.containers[inner as usize].push(outer),
+                // Each pair comes both ways round; it may still be the other way that nests.
+                false => nesting.overlapping.push((outer.min(inner), outer.max(inner))),
+            }
         }
     }
     nesting.overlapping.sort_unstable();
@@ -53,12 +57,6 @@ pub fn find_nesting(mesh: &TriangleMesh, parts: &Parts) -> Nesting {
     let nested = |a: u32, b: u32| containers[a as usize].binary_search(&b).is_ok();
     nesting.overlapping.retain(|&(a, b)| !nested(a, b) && !nested(b, a));
     nesting
-}
-
-#[derive(Clone, Copy, PartialEq)]
-enum Position {
-    Inside,
-    Apart,
 }
 
 /// Ordered pairs (outer, inner) of balanced parts with overlapping boxes, by a sweep along x.
@@ -88,27 +86,31 @@ fn overlapping_boxes(parts: &Parts) -> (Vec<(u32, u32)>, bool) {
     (pairs, true)
 }
 
-/// Positions of the inner parts of pairs that share their outer part.
-fn positions(mesh: &TriangleMesh, parts: &Parts, pairs: &[(u32, u32)]) -> Vec<Position> {
+/// Of pairs that share their outer part, whether the inner part lies inside it: with none of its samples
+/// outside, and not all of them on the outer part's surface. `None` if it would take too long.
+fn nested(mesh: &TriangleMesh, parts: &Parts, pairs: &[(u32, u32)]) -> Option<Vec<bool>> {
     let outer = pairs[0].0 as usize;
     let outer_bounds = &parts.list[outer].bounds;
-    let fits = |inner: u32| outer_bounds.contains(&parts.list[inner as usize].bounds);
-    if !pairs.iter().any(|&(_, inner)| fits(inner)) {
-        return vec![Position::Apart; pairs.len()];
-    }
-    let triangles: Vec<[DVec3; 3]> =
-        parts.triangles(outer).iter().map(|&triangle| corners(mesh, triangle as usize)).collect();
-    let bvh = Bvh::new(&triangles);
-    let winding = WindingNumbers::new(&bvh);
-    // Three quarters: a point on the outer surface, with about one half, is not inside.
-    let is_inside = |p: DVec3| winding.fast(&bvh, p, BETA).abs() > 0.75;
-    pairs
+    let mut points = Vec::new();
+    let ranges: Vec<Range<usize>> = pairs
         .iter()
         .map(|&(_, inner)| {
-            let inside = fits(inner) && samples(mesh, parts, inner as usize).all(is_inside);
-            if inside { Position::Inside } else { Position::Apart }
+            let start = points.len();
+            if outer_bounds.contains(&parts.list[inner as usize].bounds) {
+                points.extend(samples(mesh, parts, inner as usize));
+            }
+            start..points.len()
         })
-        .collect()
+        .collect();
+    if points.is_empty() {
+        return Some(vec![false; pairs.len()]);
+    }
+    let turns = winding_numbers(mesh, parts.triangles(outer), &points)?;
+    let is_inside = |range: Range<usize>| {
+        let mut off_surface = turns[range].iter().flatten().peekable();
+        off_surface.peek().is_some() && off_surface.all(|&turns| turns != 0)
+    };
+    Some(ranges.into_iter().map(is_inside).collect())
 }
 
 /// A few corners, spread over the part's triangles.

@@ -10,9 +10,9 @@ use std::collections::VecDeque;
 use serde::Serialize;
 use volmap_formats::mesh::TriangleMesh;
 
-use crate::mesh::nesting::find_nesting;
-use crate::mesh::parts::{Parts, corners, surplus};
-use crate::mesh::topology::{DisjointSets, NO_FACE, Topology};
+use crate::mesh::nesting::{Nesting, find_nesting};
+use crate::mesh::parts::{Parts, corners};
+use crate::mesh::topology::{Neighbour, Topology};
 
 const MAX_PLACES: usize = 8;
 
@@ -34,59 +34,115 @@ pub struct OrientationRepair {
     pub non_orientable_places: Vec<[f64; 3]>,
 }
 
-/// Orients the mesh; O(n log n).
+/// Orients the mesh; linear time.
 pub fn orient(mesh: &mut TriangleMesh) -> OrientationRepair {
-    let topology = Topology::new(&mesh.triangles);
-    let (label, count) = patches(&topology, mesh.triangles.len());
+    let mut topology = Topology::new(mesh);
+    orient_with(mesh, &mut topology).0
+}
+
+/// `orient`, for who has the topology already; it follows the mesh. Returns the oriented patches and how
+/// they are nested too.
+pub fn orient_with(mesh: &mut TriangleMesh, topology: &mut Topology) -> (OrientationRepair, Parts, Nesting) {
+    let patches = flood(topology.neighbours());
     let mut repair = OrientationRepair::default();
-    let mut flip = consistent_flips(mesh, &topology, (&label, count), &mut repair);
-    for (triangle, _) in mesh.triangles.iter_mut().zip(&flip).filter(|(_, flip)| **flip) {
+    let mut flipped = vec![false; mesh.triangles.len()];
+    if let Some(flip) = consistent_flips(mesh, topology, &patches, &mut repair) {
+        apply(&flip, mesh, topology);
+        flipped = flip;
+    }
+    let mut parts = Parts::new(mesh, topology, &patches.label, patches.count);
+    let nesting = find_nesting(mesh, &parts);
+    let turned = turned_patches(&parts, &nesting, &mut repair);
+    if turned.contains(&true) {
+        let flip: Vec<bool> = patches.label.iter().map(|&patch| turned[patch as usize]).collect();
+        apply(&flip, mesh, topology);
+        flipped.iter_mut().zip(&flip).for_each(|(flipped, flip)| *flipped ^= flip);
+        parts.turn(&turned);
+    }
+    repair.flipped_triangles = flipped.into_iter().filter(|&flip| flip).count();
+    (repair, parts, nesting)
+}
+
+fn apply(flip: &[bool], mesh: &mut TriangleMesh, topology: &mut Topology) {
+    for (triangle, _) in mesh.triangles.iter_mut().zip(flip).filter(|(_, flip)| **flip) {
         triangle.swap(1, 2);
     }
-    let topology = Topology::new(&mesh.triangles);
-    let parts = Parts::new(mesh, &topology, &label, count);
-    for (part, turned) in turned_patches(mesh, &parts, &mut repair).into_iter().enumerate() {
-        for &triangle in parts.triangles(part).iter().filter(|_| turned) {
-            mesh.triangles[triangle as usize].swap(1, 2);
-            flip[triangle as usize] ^= true;
-        }
-    }
-    repair.flipped_triangles = flip.into_iter().filter(|&flip| flip).count();
-    repair
+    topology.flip(flip);
 }
 
-/// Patches: triangles connected by edges with exactly two faces.
-fn patches(topology: &Topology, triangles: usize) -> (Vec<u32>, usize) {
-    let mut sets = DisjointSets::new(triangles);
-    for edge in topology.edges() {
-        if let [a, b] = edge {
-            sets.union(a.face() as u32, b.face() as u32);
-        }
-    }
-    sets.numbered()
+/// Triangles connected by edges with exactly two faces.
+struct Patches {
+    /// The patch of each triangle, numbered in the order of their first triangles.
+    label: Vec<u32>,
+    count: usize,
+    /// Which triangles to flip to agree with the first of their patch, as far as can be.
+    flip: Vec<bool>,
 }
 
-/// Which triangles to flip so that each patch is consistent, by flipping as few as possible.
+fn flood(neighbours: &[[Neighbour; 3]]) -> Patches {
+    const NOT_REACHED: u32 = u32::MAX;
+    let mut label = vec![NOT_REACHED; neighbours.len()];
+    let mut flip = vec![false; neighbours.len()];
+    let mut count = 0;
+    let mut queue = VecDeque::new();
+    for start in 0..neighbours.len() {
+        if label[start] != NOT_REACHED {
+            continue;
+        }
+        label[start] = count;
+        queue.push_back(start as u32);
+        while let Some(face) = queue.pop_front() {
+            for neighbour in neighbours[face as usize] {
+                if let Some(other) = neighbour.face()
+                    && label[other] == NOT_REACHED
+                {
+                    label[other] = count;
+                    flip[other] = flip[face as usize] ^ neighbour.same_way();
+                    queue.push_back(other as u32);
+                }
+            }
+        }
+        count += 1;
+    }
+    Patches { label, count: count as usize, flip }
+}
+
+/// Which triangles to flip so that each patch is consistent, by flipping as few as possible. `None`: all
+/// are.
 fn consistent_flips(
     mesh: &TriangleMesh,
     topology: &Topology,
-    (label, count): (&[u32], usize),
+    patches: &Patches,
     repair: &mut OrientationRepair,
-) -> Vec<bool> {
-    let mut flip = flood(topology, mesh.triangles.len());
-    let mut size = vec![0usize; count];
-    let mut flipped = vec![0usize; count];
-    for (&patch, &flip) in label.iter().zip(&flip) {
+) -> Option<Vec<bool>> {
+    let Patches { label, count, flip } = patches;
+    let (before, after) = inconsistent_edges(topology, patches);
+    if before.iter().all(|&edges| edges == 0) {
+        return None;
+    }
+    let mut size = vec![0usize; *count];
+    let mut flipped = vec![0usize; *count];
+    for (&patch, &flip) in label.iter().zip(flip) {
         size[patch as usize] += 1;
         flipped[patch as usize] += usize::from(flip);
     }
-    let (before, after) = inconsistent_edges(topology, (label, count), &flip);
-    for (&patch, flip) in label.iter().zip(&mut flip) {
+    let flip = label.iter().zip(flip).map(|(&patch, flip)| {
         let patch = patch as usize;
         let no_gain = before[patch] <= after[patch];
-        *flip = !no_gain && (*flip ^ (2 * flipped[patch] > size[patch]));
-    }
-    let mut seen = vec![false; count];
+        !no_gain && (flip ^ (2 * flipped[patch] > size[patch]))
+    });
+    count_repairs(mesh, label, (&before, &after), repair);
+    Some(flip.collect())
+}
+
+/// Patches by their inconsistent edges before and after.
+fn count_repairs(
+    mesh: &TriangleMesh,
+    label: &[u32],
+    (before, after): (&[usize], &[usize]),
+    repair: &mut OrientationRepair,
+) {
+    let mut seen = vec![false; before.len()];
     for (triangle, &patch) in label.iter().enumerate() {
         let patch = patch as usize;
         if std::mem::replace(&mut seen[patch], true) {
@@ -101,60 +157,17 @@ fn consistent_flips(
             }
         }
     }
-    flip
-}
-
-/// Flips that agree with the first triangle of each patch, as far as can be.
-fn flood(topology: &Topology, triangles: usize) -> Vec<bool> {
-    let neighbours = topology.neighbours();
-    let against = directions_against(topology, triangles);
-    let mut flip = vec![false; triangles];
-    let mut reached = vec![false; triangles];
-    let mut queue = VecDeque::new();
-    for start in 0..triangles {
-        if std::mem::replace(&mut reached[start], true) {
-            continue;
-        }
-        queue.push_back(start);
-        while let Some(face) = queue.pop_front() {
-            for side in 0..3 {
-                let other = neighbours[face][side];
-                if other != NO_FACE && !std::mem::replace(&mut reached[other as usize], true) {
-                    flip[other as usize] = flip[face] ^ against[face][side];
-                    queue.push_back(other as usize);
-                }
-            }
-        }
-    }
-    flip
-}
-
-/// For each side of each triangle, whether the neighbour there runs through the edge the same way.
-fn directions_against(topology: &Topology, triangles: usize) -> Vec<[bool; 3]> {
-    let mut against = vec![[false; 3]; triangles];
-    for edge in topology.edges() {
-        if let [a, b] = edge
-            && a.forward() == b.forward()
-        {
-            against[a.face()][a.side()] = true;
-            against[b.face()][b.side()] = true;
-        }
-    }
-    against
 }
 
 /// For each patch, the edges whose faces disagree: as they are, and after the flips.
-fn inconsistent_edges(
-    topology: &Topology,
-    (label, count): (&[u32], usize),
-    flip: &[bool],
-) -> (Vec<usize>, Vec<usize>) {
-    let mut before = vec![0; count];
-    let mut after = vec![0; count];
+fn inconsistent_edges(topology: &Topology, patches: &Patches) -> (Vec<usize>, Vec<usize>) {
+    let Patches { label, count, flip } = patches;
+    let mut before = vec![0; *count];
+    let mut after = vec![0; *count];
     for edge in topology.edges() {
-        if let [a, b] = edge {
+        if let [a, b] = edge.sides {
             let patch = label[a.face()] as usize;
-            let disagree = surplus(edge.iter()) != 0;
+            let disagree = a.forward() == b.forward();
             before[patch] += usize::from(disagree);
             after[patch] += usize::from(disagree ^ flip[a.face()] ^ flip[b.face()]);
         }
@@ -164,8 +177,7 @@ fn inconsistent_edges(
 
 /// Closed patches to turn: those of negative volume that lie in no other, and all that lies in them.
 /// What lies inside another keeps its direction relative to it: it may be a hollow or a solid.
-fn turned_patches(mesh: &TriangleMesh, parts: &Parts, repair: &mut OrientationRepair) -> Vec<bool> {
-    let nesting = find_nesting(mesh, parts);
+fn turned_patches(parts: &Parts, nesting: &Nesting, repair: &mut OrientationRepair) -> Vec<bool> {
     let is_outermost = |i: usize| nesting.containers[i].is_empty();
     let inside_out = |i: usize| parts.list[i].balanced && parts.list[i].volume < 0.0;
     (0..parts.list.len())

@@ -25,6 +25,14 @@ impl Bounds {
         self.upper = DVec3::from(self.upper).max(point).to_array();
     }
 
+    /// The box around both.
+    pub fn joined(&self, other: &Bounds) -> Bounds {
+        Bounds {
+            lower: DVec3::from(self.lower).min(DVec3::from(other.lower)).to_array(),
+            upper: DVec3::from(self.upper).max(DVec3::from(other.upper)).to_array(),
+        }
+    }
+
     /// True where the boxes have a point in common.
     pub fn overlaps(&self, other: &Bounds) -> bool {
         (0..3).all(|i| self.lower[i] <= other.upper[i] && other.lower[i] <= self.upper[i])
@@ -68,6 +76,13 @@ impl Parts {
         Parts { list, order, starts }
     }
 
+    /// Follows the mesh where all triangles of parts are turned.
+    pub fn turn(&mut self, turned: &[bool]) {
+        for (part, _) in self.list.iter_mut().zip(turned).filter(|(_, turned)| **turned) {
+            part.volume = -part.volume;
+        }
+    }
+
     /// The triangles of part `i`, in the order of the mesh.
     pub fn triangles(&self, i: usize) -> &[u32] {
         &self.order[self.starts[i]..self.starts[i + 1]]
@@ -99,19 +114,28 @@ fn group(label: &[u32], count: usize) -> (Vec<u32>, Vec<usize>) {
 
 fn balanced_parts(topology: &Topology, label: &[u32], count: usize) -> Vec<bool> {
     let mut balanced = vec![true; count];
+    // Sides of an edge by part.
+    let mut sides: Vec<(u32, HalfEdge)> = Vec::new();
     for edge in topology.edges() {
-        for half in edge {
-            let part = label[half.face()];
-            if surplus(edge.iter().filter(|h| label[h.face()] == part)) != 0 {
-                balanced[part as usize] = false;
-            }
+        if edge.sides.len() == 2 && surplus(edge.sides.iter().copied()) == 0 && same_part(edge.sides, label) {
+            continue;
+        }
+        sides.clear();
+        sides.extend(edge.sides.iter().map(|&half| (label[half.face()], half)));
+        sides.sort_unstable();
+        for part in sides.chunk_by(|a, b| a.0 == b.0) {
+            balanced[part[0].0 as usize] &= surplus(part.iter().map(|&(_, half)| half)) == 0;
         }
     }
     balanced
 }
 
+fn same_part(sides: &[HalfEdge], label: &[u32]) -> bool {
+    sides.iter().all(|half| label[half.face()] == label[sides[0].face()])
+}
+
 /// How much more often an edge is run through forwards than backwards.
-pub fn surplus<'a>(half_edges: impl Iterator<Item = &'a HalfEdge>) -> i64 {
+pub fn surplus(half_edges: impl Iterator<Item = HalfEdge>) -> i64 {
     half_edges.map(|half| if half.forward() { 1 } else { -1 }).sum()
 }
 

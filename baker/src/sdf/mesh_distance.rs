@@ -1,6 +1,7 @@
 //! Signed distance to a mesh: closest point and side.
 
 use glam::DVec3;
+use std::sync::OnceLock;
 use volmap_formats::mesh::TriangleMesh;
 
 use crate::mesh::diagnosis::Diagnosis;
@@ -14,9 +15,10 @@ use crate::sdf::winding::WindingNumbers;
 /// A mesh, ready for queries from any number of threads.
 #[derive(Clone, Debug)]
 pub struct MeshDistance {
-    triangles: Vec<[u32; 3]>,
+    mesh: TriangleMesh,
     bvh: Bvh,
-    pseudonormals: Pseudonormals,
+    /// Made when first asked for.
+    pseudonormals: OnceLock<Pseudonormals>,
     winding: WindingNumbers,
     choice: SignChoice,
     balanced: bool,
@@ -48,19 +50,17 @@ impl MeshDistance {
     /// Prepares a mesh of at least one triangle with finite coordinates and valid indices (panics
     /// otherwise), and its diagnosis, which decides where `sign` is `Auto`.
     pub fn new(mesh: &TriangleMesh, sign: SignMethod, diagnosis: &Diagnosis) -> MeshDistance {
-        let vertices: Vec<DVec3> = mesh.vertices.iter().map(|&v| DVec3::from(v)).collect();
-        let corners: Vec<[DVec3; 3]> =
-            mesh.triangles.iter().map(|triangle| triangle.map(|v| vertices[v as usize])).collect();
-        let topology = Topology::new(&mesh.triangles);
+        let corner = |v: u32| DVec3::from(mesh.vertices[v as usize]);
+        let corners: Vec<[DVec3; 3]> = mesh.triangles.iter().map(|triangle| triangle.map(corner)).collect();
         let bvh = Bvh::new(&corners);
         let choice = match sign {
             SignMethod::Auto => choose_sign(diagnosis),
             method => SignChoice { method, reason: "as asked for".to_string() },
         };
         MeshDistance {
-            pseudonormals: Pseudonormals::new(&vertices, &mesh.triangles, &topology),
+            mesh: mesh.clone(),
+            pseudonormals: OnceLock::new(),
             winding: WindingNumbers::new(&bvh),
-            triangles: mesh.triangles.clone(),
             bvh,
             choice,
             balanced: diagnosis.balanced,
@@ -131,7 +131,12 @@ impl MeshDistance {
     /// Side of the surface by the pseudonormal at the closest point; by the winding number where that
     /// is too close to call.
     pub fn inside_by_pseudonormal(&self, p: DVec3, closest: &Closest) -> bool {
-        self.pseudonormals.inside(p, closest, &self.triangles).unwrap_or_else(|| self.inside_by_winding(p))
+        let pseudonormals = self.pseudonormals.get_or_init(|| {
+            let vertices: Vec<DVec3> = self.mesh.vertices.iter().map(|&v| DVec3::from(v)).collect();
+            Pseudonormals::new(&vertices, &self.mesh.triangles, &Topology::new(&self.mesh))
+        });
+        let inside = pseudonormals.inside(p, closest, &self.mesh.triangles);
+        inside.unwrap_or_else(|| self.inside_by_winding(p))
     }
 
     /// Inside where the winding number is above one half.

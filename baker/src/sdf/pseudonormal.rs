@@ -7,7 +7,7 @@
 
 use glam::DVec3;
 
-use crate::mesh::topology::{NO_FACE, Topology};
+use crate::mesh::topology::{Neighbour, Topology};
 use crate::sdf::closest_point::{Closest, Feature};
 
 /// |cos| of the angle between pseudonormal and offset below which rounding could turn the sign.
@@ -19,7 +19,7 @@ pub struct Pseudonormals {
     faces: Vec<DVec3>,
     vertices: Vec<DVec3>,
     /// The face across each of a face's edges.
-    neighbours: Vec<[u32; 3]>,
+    neighbours: Vec<[Neighbour; 3]>,
 }
 
 impl Pseudonormals {
@@ -35,7 +35,7 @@ impl Pseudonormals {
                 sums[v as usize] += normal * corner_angle(&corners, i);
             }
         }
-        Pseudonormals { faces, vertices: sums, neighbours: topology.neighbours() }
+        Pseudonormals { faces, vertices: sums, neighbours: topology.neighbours().to_vec() }
     }
 
     /// Pseudonormal of the feature on which `closest` lies; not of unit length.
@@ -43,9 +43,9 @@ impl Pseudonormals {
         let face = closest.triangle as usize;
         match closest.feature {
             Feature::Face => self.faces[face],
-            Feature::Edge(i) => match self.neighbours[face][i as usize] {
-                NO_FACE => self.faces[face],
-                other => self.faces[face] + self.faces[other as usize],
+            Feature::Edge(i) => match self.neighbours[face][i as usize].face() {
+                None => self.faces[face],
+                Some(other) => self.faces[face] + self.faces[other],
             },
             Feature::Vertex(i) => self.vertices[triangles[face][i as usize] as usize],
         }

@@ -1,6 +1,7 @@
 use glam::DVec3;
 use proptest::prelude::*;
-use volmap_baker::mesh::{diagnose, orient};
+use volmap_baker::mesh::topology::Topology;
+use volmap_baker::mesh::{diagnose, orient, prepare};
 use volmap_formats::mesh::TriangleMesh;
 
 use crate::shapes::{self, Random};
@@ -109,4 +110,48 @@ fn orientation_is_idempotent() {
     let again = orient(&mut mesh);
     assert_eq!(again.flipped_triangles, 0);
     assert_eq!(mesh, once);
+}
+
+/// A hollow may touch the outer surface from inside: corners there are on the surface, and the others tell.
+#[test]
+fn hollow_that_touches_the_outside_stays_hollow() {
+    let mut mesh = shapes::merged(&[
+        shapes::cuboid(DVec3::ZERO, DVec3::ONE),
+        shapes::flipped(shapes::cuboid(DVec3::new(0.0, 0.2, 0.2), DVec3::new(0.4, 0.6, 0.6))),
+        shapes::flipped(shapes::moved(shapes::icosphere(1), 0.25, DVec3::new(0.5, 0.75, 0.75))),
+    ]);
+    assert_eq!(orient(&mut mesh), Default::default());
+    assert_eq!(diagnose(&mesh).cavities.count, 2);
+}
+
+/// What `prepare` hands on from orienting to diagnosing is what diagnosing finds by itself.
+#[test]
+fn preparation_finds_what_its_steps_find() {
+    let hollow = |seed| {
+        let mut mesh = shapes::merged(&[
+            shapes::moved(shapes::torus(1.0, 0.3, 20, 10), 0.2, DVec3::splat(0.1)),
+            shapes::flipped(shapes::icosphere(2)),
+            shapes::moved(shapes::icosphere(1), 0.5, DVec3::Y * 5.0),
+            shapes::moved(shapes::open_cylinder(20, 1.0), 1.0, DVec3::X * 5.0),
+        ]);
+        scramble(&mut mesh, 10.0, seed);
+        mesh
+    };
+    // Two wings that share an edge of the ball.
+    let mut winged = hollow(2);
+    let [a, b, _] = winged.triangles[500];
+    let tip = winged.vertices.len() as u32;
+    winged.vertices.extend([[3.0, 0.0, 0.0], [0.0, 3.0, 0.0]]);
+    winged.triangles.extend([[a, b, tip], [b, a, tip + 1]]);
+    for mesh in [hollow(1), winged, shapes::soup(200, 0.3, 1), shapes::moebius_strip(20)] {
+        for keep_orientation in [true, false] {
+            let (mut stepwise, mut prepared) = (mesh.clone(), mesh.clone());
+            let repair = if keep_orientation { Default::default() } else { orient(&mut stepwise) };
+            let found = prepare(&mut prepared, keep_orientation);
+            assert_eq!(prepared, stepwise);
+            assert_eq!(found.repair, repair);
+            assert_eq!(found.diagnosis, diagnose(&stepwise));
+            assert_eq!(found.topology, Topology::new(&stepwise));
+        }
+    }
 }

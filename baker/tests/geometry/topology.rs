@@ -1,5 +1,9 @@
 use glam::DVec3;
+use volmap_baker::mesh::crossings::winding_numbers;
 use volmap_baker::mesh::diagnose;
+use volmap_baker::mesh::fans::count_fans;
+use volmap_baker::mesh::topology::Topology;
+use volmap_baker::sdf::winding::solid_angle;
 use volmap_formats::mesh::TriangleMesh;
 
 use crate::shapes;
@@ -158,4 +162,107 @@ fn flipped_triangle_and_zero_area_are_found() {
 fn empty_mesh_has_a_diagnosis() {
     let found = diagnose(&TriangleMesh::default());
     assert_eq!((found.triangles, found.components), (0, 0));
+}
+
+/// Edges as a map finds them.
+#[test]
+fn edges_are_sorted_and_complete() {
+    let mut mesh =
+        shapes::merged(&[shapes::soup(50, 0.3, 1), shapes::icosphere(3), shapes::moebius_strip(9)]);
+    // A hundred pages bound at one edge.
+    let count = mesh.vertices.len() as u32;
+    mesh.vertices.extend((0..100).map(|k| [f64::from(k), 1.0, 2.0]));
+    mesh.triangles.extend((0..100).map(|k| [7, count + k, 1200 - k]));
+    mesh.triangles.extend((0..100).map(|k| [count + k, 3, 5]));
+    let mut expected = std::collections::BTreeMap::<[u32; 2], Vec<(usize, bool)>>::new();
+    for (face, triangle) in mesh.triangles.iter().enumerate() {
+        for side in 0..3 {
+            let (from, to) = (triangle[side], triangle[(side + 1) % 3]);
+            expected.entry([from.min(to), from.max(to)]).or_default().push((3 * face + side, from < to));
+        }
+    }
+    let topology = Topology::new(&mesh);
+    let found = topology
+        .edges()
+        .map(|edge| (edge.ends, edge.sides.iter().map(|half| (half.corner(), half.forward())).collect()));
+    assert!(found.eq(expected));
+}
+
+/// Fans as joining corners at edges finds them, by a slow search.
+#[test]
+fn fans_are_sets_of_corners_joined_at_edges() {
+    // Two balls in one point, a book of three pages, a ball with a scrambled neighbourhood, a strip.
+    let mut mesh = shapes::merged(&[
+        shapes::icosphere(1),
+        shapes::moved(shapes::icosphere(1), 1.0, DVec3::X * 2.0),
+        shapes::moebius_strip(5),
+    ]);
+    let vertices = mesh.vertices.len() as u32;
+    mesh.triangles.iter_mut().skip(80).take(80).flatten().filter(|v| **v == 42).for_each(|v| *v = 0);
+    mesh.triangles.iter_mut().step_by(3).for_each(|t| t.swap(0, 2));
+    mesh.vertices.extend([[9.0; 3]; 3]);
+    mesh.triangles.extend((0..3).map(|k| [10, 15, vertices + k]));
+    let found = count_fans(&mesh, &Topology::new(&mesh));
+    for (vertex, &count) in found.iter().enumerate() {
+        let mut groups: Vec<Vec<u32>> = Vec::new();
+        for triangle in mesh.triangles.iter().filter(|t| t.contains(&(vertex as u32))) {
+            let others = triangle.iter().copied().filter(|&v| v as usize != vertex).collect::<Vec<_>>();
+            let (mut joined, apart): (Vec<_>, Vec<_>) =
+                groups.into_iter().partition(|group| group.iter().any(|v| others.contains(v)));
+            joined.push(others);
+            groups = apart;
+            groups.push(joined.concat());
+        }
+        assert_eq!(count as usize, groups.len(), "{vertex}");
+    }
+    assert_eq!(found[0], 2);
+    assert_eq!((found[10], found[42]), (2, 0));
+}
+
+/// Winding numbers as the sum of solid angles gives them.
+#[test]
+fn crossings_count_what_solid_angles_sum() {
+    let mesh = shapes::merged(&[
+        shapes::icosphere(2),
+        shapes::flipped(shapes::moved(shapes::torus(1.0, 0.4, 20, 10), 0.5, DVec3::ZERO)),
+        shapes::moved(shapes::cuboid(DVec3::ZERO, DVec3::ONE), 0.5, DVec3::splat(0.2)),
+    ]);
+    let mut random = shapes::Random(7);
+    let mut points: Vec<DVec3> =
+        (0..300).map(|_| random.point(DVec3::splat(-1.1), DVec3::splat(1.1))).collect();
+    // Rays along edges and through corners.
+    points.extend(mesh.vertices.iter().map(|&v| DVec3::from(v) - DVec3::X * 0.4));
+    points.extend(mesh.vertices.iter().map(|&v| DVec3::from(v) - DVec3::X * 3.0));
+    let triangles: Vec<u32> = (0..mesh.triangles.len() as u32).collect();
+    let found = winding_numbers(&mesh, &triangles, &points).unwrap();
+    let corners = shapes::corners(&mesh);
+    let mut seen = std::collections::BTreeSet::new();
+    for (point, turns) in points.iter().zip(found) {
+        let angles: f64 = corners.iter().map(|corners| solid_angle(*point, corners)).sum();
+        let exact = angles / (2.0 * std::f64::consts::TAU);
+        // Of the points that aren't random, some are on the surface.
+        let on_surface = (exact - exact.round()).abs() > 1e-3;
+        assert!(on_surface || turns == Some(exact.round() as i64), "{point} {turns:?} {exact}");
+        seen.insert(turns);
+    }
+    assert!([0, 1, 2].iter().all(|&turns| seen.contains(&Some(turns))), "{seen:?}");
+    let corners: Vec<DVec3> = mesh.vertices.iter().map(|&v| DVec3::from(v)).collect();
+    let on_surface = winding_numbers(&mesh, &triangles, &corners).unwrap();
+    assert!(on_surface.iter().all(Option::is_none));
+}
+
+/// Long slivers hide every point: it's given up before it takes forever.
+#[test]
+fn crossings_of_slivers_are_given_up() {
+    let mut mesh = TriangleMesh::default();
+    for k in 0..5_000 {
+        let x = f64::from(k);
+        mesh.vertices.extend([[x, -1.0, -1.0], [x, 3.0, -1.0], [x, -1.0, 3.0]]);
+        mesh.triangles.push([3 * k, 3 * k + 1, 3 * k + 2]);
+    }
+    let triangles: Vec<u32> = (0..5_000).collect();
+    let mut random = shapes::Random(1);
+    let points: Vec<DVec3> = (0..5_000).map(|_| random.point(DVec3::ZERO, DVec3::ONE)).collect();
+    assert_eq!(winding_numbers(&mesh, &triangles, &points), None);
+    assert!(winding_numbers(&mesh, &triangles[..50], &points).is_some());
 }

@@ -35,27 +35,32 @@ impl Scalar {
 
     /// The number at the start of `bytes`, which holds at least `size` bytes. Integers beyond 2^53
     /// are rounded; as counts and indices they are out of range anyway.
+    #[inline]
     pub fn read(self, bytes: &[u8], endian: Endian) -> f64 {
-        let mut raw = [0; 8];
-        let size = self.size();
-        raw[..size].copy_from_slice(&bytes[..size]);
-        if endian == Endian::Big {
-            raw[..size].reverse();
-        }
-        let bits = u64::from_le_bytes(raw);
         match self {
-            Scalar::I8 => f64::from(bits as i8),
-            Scalar::U8 => f64::from(bits as u8),
-            Scalar::I16 => f64::from(bits as i16),
-            Scalar::U16 => f64::from(bits as u16),
-            Scalar::I32 => f64::from(bits as i32),
-            Scalar::U32 => f64::from(bits as u32),
-            Scalar::I64 => bits as i64 as f64,
-            Scalar::U64 => bits as f64,
-            Scalar::F32 => f64::from(f32::from_bits(bits as u32)),
-            Scalar::F64 => f64::from_bits(bits),
+            Scalar::I8 => f64::from(bytes[0] as i8),
+            Scalar::U8 => f64::from(bytes[0]),
+            Scalar::I16 => f64::from(i16::from_le_bytes(first(bytes, endian))),
+            Scalar::U16 => f64::from(u16::from_le_bytes(first(bytes, endian))),
+            Scalar::I32 => f64::from(i32::from_le_bytes(first(bytes, endian))),
+            Scalar::U32 => f64::from(u32::from_le_bytes(first(bytes, endian))),
+            Scalar::I64 => i64::from_le_bytes(first(bytes, endian)) as f64,
+            Scalar::U64 => u64::from_le_bytes(first(bytes, endian)) as f64,
+            Scalar::F32 => f64::from(f32::from_le_bytes(first(bytes, endian))),
+            Scalar::F64 => f64::from_le_bytes(first(bytes, endian)),
         }
     }
+}
+
+/// The first bytes, the lowest first.
+#[inline]
+fn first<const N: usize>(bytes: &[u8], endian: Endian) -> [u8; N] {
+    let mut array = [0; N];
+    array.copy_from_slice(&bytes[..N]);
+    if endian == Endian::Big {
+        array.reverse();
+    }
+    array
 }
 
 /// A number as a vertex index, if it is one.

@@ -1,13 +1,17 @@
 //! From polygons as a file has them to a tidy triangle mesh.
 //!
-//! weld vertices -> triangulate polygons -> drop collapsed and duplicate triangles -> drop
-//! vertices that nothing refers to. Order is kept, so the result is a function of the input alone.
+//! weld vertices -> triangulate polygons, drop collapsed ones -> drop vertices that nothing refers to
+//! -> drop duplicate triangles. Order is kept, so the result is a function of the input alone.
 
+mod duplicates;
 mod triangulate;
 mod weld;
 
 use self::triangulate::{Outcome, Triangulator};
 use super::{MeshError, RawMesh, TriangleMesh};
+
+/// A triangle's sides are numbered, and a bit is left for their directions.
+const MAX_TRIANGLES: usize = (1 << 31) / 3;
 
 /// How to clean.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -63,12 +67,19 @@ pub fn clean(raw: RawMesh, settings: &CleanSettings) -> Result<(TriangleMesh, Cl
     let target = weld::weld(&raw.positions, tolerance);
     report.welded = target.iter().enumerate().filter(|&(k, &to)| to as usize != k).count();
     let triangles = triangulate_all(&raw, &target, &mut report);
-    let triangles = drop_duplicates(triangles, &mut report);
     if triangles.is_empty() {
         return Err(MeshError::AllDegenerate { faces: raw.faces.len(), weld_tolerance: tolerance });
     }
-    let mesh = compact(&raw.positions, triangles);
-    report.unreferenced = raw.positions.len() - report.welded - mesh.vertices.len();
+    drop((target, raw.faces));
+    let vertices = raw.positions.len();
+    let mut mesh = compact(raw.positions, triangles);
+    report.unreferenced = vertices - report.welded - mesh.vertices.len();
+    report.duplicates = duplicates::drop_duplicates(&mut mesh);
+    if mesh.triangles.len() > MAX_TRIANGLES {
+        let problem =
+            format!("{} triangles: at most {MAX_TRIANGLES} fit; split the mesh", mesh.triangles.len());
+        return Err(MeshError::TooLarge { problem });
+    }
     let area_free = |t: &&[u32; 3]| has_no_area(t.map(|v| mesh.vertices[v as usize]));
     report.zero_area = mesh.triangles.iter().filter(area_free).count();
     Ok((mesh, report))
@@ -86,6 +97,13 @@ fn triangulate_all(raw: &RawMesh, target: &[u32], report: &mut CleanReport) -> V
         }
         corners.clear();
         corners.extend(face.iter().map(|&corner| target[corner as usize]));
+        if let [a, b, c] = corners[..] {
+            match a != b && b != c && c != a {
+                true => triangles.push([a, b, c]),
+                false => report.degenerate += 1,
+            }
+            continue;
+        }
         corners.dedup();
         while corners.len() > 1 && corners.first() == corners.last() {
             corners.pop();
@@ -98,56 +116,39 @@ fn triangulate_all(raw: &RawMesh, target: &[u32], report: &mut CleanReport) -> V
     triangles
 }
 
-/// Keeps the first of equal triangles. Equal: the same corners in the same cyclic order.
-fn drop_duplicates(triangles: Vec<[u32; 3]>, report: &mut CleanReport) -> Vec<[u32; 3]> {
-    let mut order: Vec<([u32; 3], usize)> =
-        triangles.iter().enumerate().map(|(k, &t)| (smallest_first(t), k)).collect();
-    order.sort_unstable();
-    let mut keep = vec![true; triangles.len()];
-    for pair in order.windows(2) {
-        if pair[0].0 == pair[1].0 {
-            keep[pair[1].1] = false;
-            report.duplicates += 1;
-        }
-    }
-    let kept = triangles.into_iter().zip(keep).filter(|&(_, keep)| keep);
-    kept.map(|(triangle, _)| triangle).collect()
-}
-
-fn smallest_first([a, b, c]: [u32; 3]) -> [u32; 3] {
-    if a < b && a < c {
-        [a, b, c]
-    } else if b < c {
-        [b, c, a]
-    } else {
-        [c, a, b]
-    }
-}
-
-/// Only the vertices that are used, in their order.
-fn compact(positions: &[[f64; 3]], mut triangles: Vec<[u32; 3]>) -> TriangleMesh {
+/// Only the vertices that are used, in their order, and -0 as 0.
+fn compact(mut positions: Vec<[f64; 3]>, mut triangles: Vec<[u32; 3]>) -> TriangleMesh {
     let mut new = vec![u32::MAX; positions.len()];
     for &corner in triangles.iter().flatten() {
         new[corner as usize] = 0;
     }
-    let mut vertices = Vec::new();
-    for (position, new) in positions.iter().zip(&mut new) {
-        if *new == 0 {
-            *new = vertices.len() as u32;
-            vertices.push(position.map(|c| c + 0.0));
-        }
+    let mut count = 0;
+    for (k, new) in new.iter_mut().enumerate().filter(|(_, new)| **new == 0) {
+        *new = count as u32;
+        positions[count] = positions[k].map(|c| c + 0.0);
+        count += 1;
     }
+    positions.truncate(count);
+    positions.shrink_to_fit();
     for corner in triangles.iter_mut().flatten() {
         *corner = new[*corner as usize];
     }
-    TriangleMesh { vertices, triangles }
+    TriangleMesh { vertices: positions, triangles }
+}
+
+/// Without a thought for NaN, unlike `f64::max`.
+fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
 }
 
 /// Whether the height over the longest edge is below rounding of the coordinates.
 fn has_no_area([a, b, c]: [[f64; 3]; 3]) -> bool {
-    let size = [a, b, c].iter().flatten().fold(0.0f64, |max, c| max.max(c.abs()));
+    let size = [a, b, c].iter().flatten().fold(0.0f64, |max, c| larger(max, c.abs()));
     if size == 0.0 {
         return true;
+    }
+    if surely_has_area([a, b, c], size) {
+        return false;
     }
     // Scaled, so that tiny and huge meshes neither underflow nor overflow.
     let minus = |p: [f64; 3], q: [f64; 3]| [0, 1, 2].map(|i| (p[i] - q[i]) / size);
@@ -156,4 +157,16 @@ fn has_no_area([a, b, c]: [[f64; 3]; 3]) -> bool {
     let cross = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
     let longest = dot(u, u).max(dot(v, v)).max(dot(w, w)).sqrt();
     dot(cross, cross).sqrt() <= 4.0 * f64::EPSILON * longest
+}
+
+/// True only for triangles that [`has_no_area`] would deny: its test with a wider limit and without
+/// roots and divisions, where nothing can underflow or overflow.
+fn surely_has_area([a, b, c]: [[f64; 3]; 3], size: f64) -> bool {
+    const WIDER: f64 = 64.0 * f64::EPSILON;
+    let minus = |p: [f64; 3], q: [f64; 3]| [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
+    let (u, v, w) = (minus(b, a), minus(c, a), minus(c, b));
+    let dot = |p: [f64; 3], q: [f64; 3]| p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
+    let cross = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+    let longest_squared = larger(larger(dot(u, u), dot(v, v)), dot(w, w));
+    (1e-50..1e50).contains(&size) && dot(cross, cross) > WIDER * WIDER * longest_squared * (size * size)
 }

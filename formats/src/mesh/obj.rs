@@ -3,42 +3,25 @@
 //! Own reader: `tobj` gives no line numbers, refuses names that aren't UTF-8 and doesn't join
 //! continued lines.
 
+mod plain;
+
 use std::borrow::Cow;
 
+use self::plain::vertex_index;
 use super::text::{Words, not_a_number, number, parse, show, words};
 use super::{MeshError, MeshFormat, RawMesh};
 
 /// Reads an OBJ. Materials, normals and texture coordinates are ignored; index ranges are checked.
 pub fn read(bytes: &[u8]) -> Result<RawMesh, MeshError> {
-    let mut lines = Words::new(bytes, MeshFormat::Obj);
-    let mut raw = RawMesh::new(MeshFormat::Obj);
-    let mut corners = Vec::new();
-    // The highest vertex that a face asked for, and where: vertices may follow their faces.
-    let mut highest = (0, lines.clone());
-    loop {
-        let here = lines.clone();
-        let Some(line) = logical_line(&mut lines) else {
-            break;
-        };
-        let mut words = words(&line);
-        match words.next() {
-            Some(b"v") => raw.positions.push(position(&here, words)?),
-            Some(b"f" | b"fo") => {
-                face(&here, words, raw.positions.len(), &mut corners)?;
-                if let Some(&max) = corners.iter().max()
-                    && max > highest.0
-                {
-                    highest = (max, here);
-                }
-                raw.add_face(&corners);
-            }
-            Some(b"o") => raw.objects += 1,
-            Some(b"p") => raw.skipped.points += 1,
-            Some(b"l") => raw.skipped.lines += 1,
-            Some(word) => raw.skipped.other += usize::from(!is_silent(word)),
-            None => {}
-        }
-    }
+    let lines = Words::new(bytes, MeshFormat::Obj);
+    let mut reader = Reader {
+        raw: RawMesh::new(MeshFormat::Obj),
+        corners: Vec::new(),
+        highest: (0, lines.clone()),
+        lines,
+    };
+    while reader.plain_line() || reader.line()? {}
+    let Reader { mut raw, highest, .. } = reader;
     let count = raw.positions.len();
     if highest.0 as usize >= count && !raw.faces.is_empty() {
         return Err(highest.1.bad(format!(
@@ -49,6 +32,75 @@ pub fn read(bytes: &[u8]) -> Result<RawMesh, MeshError> {
     }
     raw.objects = raw.objects.max(1);
     Ok(raw)
+}
+
+struct Reader<'a> {
+    lines: Words<'a>,
+    raw: RawMesh,
+    /// Of the face that is read.
+    corners: Vec<u32>,
+    /// The highest vertex that a face asked for, and where: vertices may follow their faces.
+    highest: (u32, Words<'a>),
+}
+
+impl<'a> Reader<'a> {
+    /// Reads a line of the usual kind. False, and nothing done: it isn't.
+    fn plain_line(&mut self) -> bool {
+        match self.lines.rest() {
+            [b'v', rest @ ..] if rest.first().is_some_and(u8::is_ascii_whitespace) => {
+                let Some((position, length)) = plain::vertex(rest) else {
+                    return false;
+                };
+                self.raw.positions.push(position);
+                self.lines.finish_line(1 + length);
+            }
+            [b'f', rest @ ..] if rest.first().is_some_and(u8::is_ascii_whitespace) => {
+                let Some(length) = plain::face(rest, self.raw.positions.len(), &mut self.corners) else {
+                    return false;
+                };
+                if self.corners.iter().any(|&corner| corner > self.highest.0) {
+                    self.add_face(self.lines.clone());
+                } else {
+                    self.raw.add_face(&self.corners);
+                }
+                self.lines.finish_line(1 + length);
+            }
+            _ => return false,
+        }
+        true
+    }
+
+    /// Reads any line. False: there is none.
+    fn line(&mut self) -> Result<bool, MeshError> {
+        let here = self.lines.clone();
+        let Some(line) = logical_line(&mut self.lines) else {
+            return Ok(false);
+        };
+        let raw = &mut self.raw;
+        let mut words = words(&line);
+        match words.next() {
+            Some(b"v") => raw.positions.push(position(&here, words)?),
+            Some(b"f" | b"fo") => {
+                face(&here, words, raw.positions.len(), &mut self.corners)?;
+                self.add_face(here);
+            }
+            Some(b"o") => raw.objects += 1,
+            Some(b"p") => raw.skipped.points += 1,
+            Some(b"l") => raw.skipped.lines += 1,
+            Some(word) => raw.skipped.other += usize::from(!is_silent(word)),
+            None => {}
+        }
+        Ok(true)
+    }
+
+    fn add_face(&mut self, here: Words<'a>) {
+        if let Some(&max) = self.corners.iter().max()
+            && max > self.highest.0
+        {
+            self.highest = (max, here);
+        }
+        self.raw.add_face(&self.corners);
+    }
 }
 
 /// A line without its comment, joined with those that a backslash continues it with.
@@ -98,19 +150,14 @@ fn face<'a>(
     corners.clear();
     for word in words {
         let vertex = word.split(|&b| b == b'/').next().unwrap_or(word);
-        let index = match parse::<i64>(vertex) {
-            Some(index) if index > 0 => index - 1,
-            Some(index) if index < 0 => count as i64 + index,
-            _ => {
-                return Err(here.bad(format!(
-                    "`{}` is not a corner of a face: a vertex number from 1 up, or from -1 down, \
-                     was expected",
-                    show(word)
-                )));
-            }
+        let Some(v) = parse::<i64>(vertex).filter(|&v| v != 0) else {
+            return Err(here.bad(format!(
+                "`{}` is not a corner of a face: a vertex number from 1 up, or from -1 down, was \
+                 expected",
+                show(word)
+            )));
         };
-        let index = u32::try_from(index).ok().filter(|&index| index < u32::MAX);
-        corners.push(index.ok_or_else(|| {
+        corners.push(vertex_index(v, count).ok_or_else(|| {
             here.bad(format!(
                 "the face refers to vertex `{}`, but only {count} came before it; the file is \
                  damaged or was cut: export it again",

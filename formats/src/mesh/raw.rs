@@ -28,6 +28,7 @@ pub struct RawMesh {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Faces {
     corners: Vec<u32>,
+    /// Where each polygon ends; empty as long as all are triangles.
     ends: Vec<usize>,
 }
 
@@ -44,27 +45,40 @@ pub struct Skipped {
 
 impl Faces {
     /// Appends a polygon.
+    #[inline]
     pub fn push(&mut self, corners: &[u32]) {
+        if corners.len() != 3 && self.ends.is_empty() {
+            self.ends.extend((1..=self.corners.len() / 3).map(|face| 3 * face));
+        }
+        let only_triangles = corners.len() == 3 && self.ends.is_empty();
         self.corners.extend_from_slice(corners);
-        self.ends.push(self.corners.len());
+        if !only_triangles {
+            self.ends.push(self.corners.len());
+        }
     }
 
     /// How many polygons.
     pub fn len(&self) -> usize {
-        self.ends.len()
+        if self.ends.is_empty() { self.corners.len() / 3 } else { self.ends.len() }
     }
 
     /// Whether there is none.
     pub fn is_empty(&self) -> bool {
-        self.ends.is_empty()
+        self.len() == 0
     }
 
     /// The corners of each polygon.
     pub fn iter(&self) -> impl Iterator<Item = &[u32]> {
-        (0..self.ends.len()).map(|face| {
-            let start = if face == 0 { 0 } else { self.ends[face - 1] };
-            &self.corners[start..self.ends[face]]
+        let mut start = 0;
+        (0..self.len()).map(move |face| {
+            let end = self.ends.get(face).copied().unwrap_or(start + 3);
+            &self.corners[std::mem::replace(&mut start, end)..end]
         })
+    }
+
+    /// The corners of all polygons.
+    pub fn corners(&self) -> &[u32] {
+        &self.corners
     }
 }
 
@@ -133,19 +147,21 @@ impl RawMesh {
                 ),
             });
         }
-        for (k, p) in self.positions.iter().enumerate() {
-            if !p.iter().all(|c| c.abs() <= MAX_COORDINATE) {
-                return Err(self.bad(
-                    format!("vertex {k} (counted from 0)"),
-                    format!(
-                        "the position ({}, {}, {}) is not finite or beyond 1e100; remove or repair \
-                         this vertex",
-                        p[0], p[1], p[2]
-                    ),
-                ));
-            }
+        let fits = |p: &[f64; 3]| p.iter().all(|c| c.abs() <= MAX_COORDINATE);
+        if let Some(k) = self.positions.iter().position(|p| !fits(p)) {
+            let [x, y, z] = self.positions[k];
+            return Err(self.bad(
+                format!("vertex {k} (counted from 0)"),
+                format!(
+                    "the position ({x}, {y}, {z}) is not finite or beyond 1e100; remove or repair \
+                     this vertex"
+                ),
+            ));
         }
         let count = self.positions.len();
+        if self.faces.corners.iter().all(|&corner| (corner as usize) < count) {
+            return Ok(());
+        }
         for (k, face) in self.faces.iter().enumerate() {
             if let Some(&corner) = face.iter().find(|&&c| c as usize >= count) {
                 return Err(self.bad(

@@ -1,5 +1,6 @@
 //! Words and numbers of a text format, with line numbers.
 
+use super::decimal::short_decimal;
 use super::{MAX_COORDINATE, MeshError, MeshFormat};
 
 /// A place in a text: words are separated by blanks and line ends (`\n`, `\r\n` or `\r`).
@@ -34,6 +35,13 @@ impl<'a> Words<'a> {
     /// Goes on after `count` bytes of binary data.
     pub fn skip_bytes(&mut self, count: usize) {
         self.at = (self.at + count).min(self.bytes.len());
+    }
+
+    /// Goes on in the next line, if this one ends after `length` bytes.
+    pub fn finish_line(&mut self, length: usize) {
+        self.at += length;
+        debug_assert!(matches!(self.rest().first(), None | Some(b'\n' | b'\r')));
+        self.next_line();
     }
 
     /// The next line without its end, or `None` at the end of the file.
@@ -129,6 +137,9 @@ pub fn parse<T: std::str::FromStr>(word: &[u8]) -> Option<T> {
 }
 
 pub fn any_number(word: &[u8]) -> Option<f64> {
+    if let Some(value) = short_number(word) {
+        return Some(value);
+    }
     // C writes NaN in more ways than Rust reads.
     let lower = word.to_ascii_lowercase();
     let sign = lower.strip_prefix(b"-").unwrap_or(&lower);
@@ -139,7 +150,11 @@ pub fn any_number(word: &[u8]) -> Option<f64> {
 }
 
 pub fn number(word: &[u8]) -> Option<f64> {
-    parse(word).filter(|value: &f64| value.abs() <= MAX_COORDINATE)
+    short_number(word).or_else(|| parse(word)).filter(|value: &f64| value.abs() <= MAX_COORDINATE)
+}
+
+fn short_number(word: &[u8]) -> Option<f64> {
+    short_decimal(word).filter(|&(_, length)| length == word.len()).map(|(value, _)| value)
 }
 
 /// Words of one line.
