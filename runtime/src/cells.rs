@@ -50,6 +50,54 @@ impl NodeNumbers {
     }
 }
 
+/// A stored cell: its run and the cells before it there.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Place {
+    run: u32,
+    steps: u32,
+}
+
+/// [`Cell`] as the queries want it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Found {
+    Band(Place),
+    Solid,
+    Fluid,
+}
+
+/// The run of the last answer: the next point's, often.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Hint {
+    row: usize,
+    run: Run,
+}
+
+/// Where the nodes of a cell are: 12 places in the arrays.
+pub(crate) struct Starts {
+    bases: [u32; 12],
+    steps: u32,
+}
+
+impl Starts {
+    /// Two corners, lower and upper x, at (dy, dz) of `row`.
+    #[inline(always)]
+    pub fn corners(&self, row: usize) -> u32 {
+        self.bases[row] + self.steps
+    }
+
+    /// The two nodes of the x-edge at (dy, dz) of `row`.
+    #[inline(always)]
+    pub fn x_edges(&self, row: usize) -> u32 {
+        self.bases[4 + row] + 2 * self.steps
+    }
+
+    /// The two nodes of a y-edge at lower x, then at upper x, for dz = 0, 1; then those of z-edges for dy = 0, 1.
+    #[inline(always)]
+    pub fn yz_edges(&self, pair: usize) -> u32 {
+        self.bases[8 + pair] + 2 * self.steps
+    }
+}
+
 /// Consecutive cells of one kind.
 #[derive(Clone, Copy, Debug)]
 struct Run {
@@ -131,6 +179,33 @@ impl CellIndex {
         size_of_val(self.row_start.as_slice())
             + size_of_val(self.runs.as_slice())
             + size_of_val(self.bases.as_slice())
+    }
+
+    /// A hint that fits no cell.
+    pub(crate) fn hint(&self) -> Hint {
+        Hint { row: usize::MAX, run: Run { first: 0, end: 0, bases: SOLID } }
+    }
+
+    /// What is known of a cell of the grid.
+    #[inline(always)]
+    pub(crate) fn place(&self, cell: UVec3, hint: &mut Hint) -> Found {
+        let row = (cell.y + self.resolution.y * cell.z) as usize;
+        if hint.row != row || cell.x < hint.run.first || cell.x >= hint.run.end {
+            let runs = &self.runs[self.row_start[row] as usize..self.row_start[row + 1] as usize];
+            match runs.get(runs.partition_point(|run| run.end <= cell.x)) {
+                Some(run) if run.first <= cell.x => *hint = Hint { row, run: *run },
+                _ => return Found::Fluid,
+            }
+        }
+        match hint.run.bases {
+            SOLID => Found::Solid,
+            run => Found::Band(Place { run, steps: cell.x - hint.run.first }),
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn starts(&self, place: Place) -> Starts {
+        Starts { bases: self.bases[place.run as usize].nodes, steps: place.steps }
     }
 
     /// What is known of a cell of the grid.

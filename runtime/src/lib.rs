@@ -18,9 +18,19 @@
 //! don't depend on the thread or the batch. A map is `Send + Sync`.
 //! Not guaranteed: gradients are continuous inside cells only (C0 elements).
 
+// For what the unit tests share with the others.
+#[cfg(test)]
+extern crate self as volmap_runtime;
+
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+mod batch;
 mod cells;
+mod element;
 mod error;
+mod fields;
 mod grid;
+mod lanes;
 mod nodes;
 mod open;
 mod pose;
@@ -33,4 +43,4 @@ pub use glam::{DQuat, DVec3};
 pub use grid::{Grid, Location};
 pub use nodes::{Family, NodeInterval, Nodes};
 pub use pose::{Pose, PosedMap};
-pub use query::{Boundary, Sample, VolumeMap};
+pub use query::{Boundary, Sample, Values, VolumeMap};
