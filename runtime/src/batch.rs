@@ -119,31 +119,6 @@ pub(crate) fn answer_all<A: Answer>(map: &VolumeMap, points: &[DVec3], out: &mut
     all.run::<Plain>();
 }
 
-/// The answer for one point, with the bits of [`answer_all`].
-pub(crate) fn answer<A: Answer>(map: &VolumeMap, point: DVec3, out: &mut A) {
-    let one = One { map, point, out };
-    #[cfg(target_arch = "x86_64")]
-    let Some(one) = avx2::run(one) else { return };
-    one.run::<Plain>();
-}
-
-/// A point and where its answer goes.
-struct One<'a, A> {
-    map: &'a VolumeMap,
-    point: DVec3,
-    out: &'a mut A,
-}
-
-impl<A: Answer> Work for One<'_, A> {
-    #[inline(always)]
-    fn run<V: Lanes>(self) {
-        match &self.map.fields {
-            Fields::F32(nodes) => one::<V, _, A>(self.map, nodes.as_slice(), self.point, self.out),
-            Fields::F64(nodes) => one::<V, _, A>(self.map, nodes.as_slice(), self.point, self.out),
-        }
-    }
-}
-
 /// Points and where their answers go.
 struct All<'a, A> {
     map: &'a VolumeMap,
@@ -161,8 +136,21 @@ impl<A: Answer> Work for All<'_, A> {
 #[inline(always)]
 fn batch<V: Lanes, A: Answer>(map: &VolumeMap, points: &[DVec3], out: &mut [A]) {
     match &map.fields {
-        Fields::F32(nodes) => blocks::<V, _, A>(map, nodes.as_slice(), points, out),
-        Fields::F64(nodes) => blocks::<V, _, A>(map, nodes.as_slice(), points, out),
+        Fields::F32(nodes) => answers::<V, _, A>(map, nodes.as_slice(), points, out),
+        Fields::F64(nodes) => answers::<V, _, A>(map, nodes.as_slice(), points, out),
+    }
+}
+
+#[inline(always)]
+fn answers<V: Lanes, S: Storage + ?Sized, A: Answer>(
+    map: &VolumeMap,
+    fields: &S,
+    points: &[DVec3],
+    out: &mut [A],
+) {
+    match (points, &mut *out) {
+        ([point], [out]) => one::<V, S, A>(map, fields, *point, out),
+        _ => blocks::<V, S, A>(map, fields, points, out),
     }
 }
 
@@ -176,12 +164,12 @@ fn blocks<V: Lanes, S: Storage + ?Sized, A: Answer>(
     let mut near = Near {
         count: 0,
         index: [0; BLOCK],
-        place: [Place::default(); BLOCK],
+        place: [Place::NONE; BLOCK],
         f: [[0.0; BLOCK]; 3],
         points: [[0.0; BLOCK]; 3],
     };
     let mut padded = [DVec3::NAN; BLOCK];
-    let mut shared = Differences { place: None, numbers: Shared([0.0; 64]) };
+    let mut shared = Differences { place: Place::NONE, numbers: Shared([0.0; 64]) };
     let mut apart = Apart([V::splat(0.0); 4 * ROWS]);
     for (points, out) in points.chunks(BLOCK).zip(out.chunks_mut(BLOCK)) {
         let block = match points.first_chunk() {
@@ -320,14 +308,14 @@ impl Located {
 
 /// The differences of one cell.
 struct Differences {
-    place: Option<Place>,
+    place: Place,
     numbers: Shared,
 }
 
 impl Differences {
     #[inline(always)]
     fn load<V: Lanes, S: Storage + ?Sized>(&mut self, map: &VolumeMap, fields: &S, place: Place) {
-        if self.place == Some(place) {
+        if self.place == place {
             return;
         }
         let rows = differences::<V, S>(map, fields, place);
@@ -335,7 +323,7 @@ impl Differences {
             let [d, v, upper_d, upper_v] = row.array();
             *numbers = [d, v, upper_d - d, upper_v - v];
         }
-        self.place = Some(place);
+        self.place = place;
     }
 }
 
@@ -354,8 +342,10 @@ fn side_by_side<V: Lanes, S: Storage + ?Sized>(
     places: [Place; LANES],
     out: &mut Apart<V>,
 ) {
-    let cell = |lane: usize| differences::<V, S>(map, fields, places[lane]);
-    let (a, b, c, d) = (cell(0), cell(1), cell(2), cell(3));
+    let a: Rows<V> = differences(map, fields, places[0]);
+    let b: Rows<V> = differences(map, fields, places[1]);
+    let c: Rows<V> = differences(map, fields, places[2]);
+    let d: Rows<V> = differences(map, fields, places[3]);
     for row in 0..ROWS {
         let [lower_d, lower_v, upper_d, upper_v] = V::transpose([a[row], b[row], c[row], d[row]]);
         out.0[4 * row] = lower_d;
@@ -374,7 +364,7 @@ fn one<V: Lanes, S: Storage + ?Sized, A: Answer>(map: &VolumeMap, fields: &S, po
     };
     match map.cells.place(cell, &mut map.cells.hint()) {
         Found::Band(place) => {
-            let mut shared = Differences { place: None, numbers: Shared([0.0; 64]) };
+            let mut shared = Differences { place: Place::NONE, numbers: Shared([0.0; 64]) };
             shared.load::<V, S>(map, fields, place);
             let lanes = |v: DVec3| [V::splat(v.x), V::splat(v.y), V::splat(v.z)];
             let evaluated = Evaluated::new(&shared.numbers, lanes(point), lanes(f));
@@ -418,7 +408,7 @@ mod tests {
             assert_eq!(bits(&wide), bits(&plain));
             for (&point, &expected) in points.iter().zip(&plain) {
                 let mut alone = Sample::Outside;
-                One { map: &map, point, out: &mut alone }.run::<Plain>();
+                All { map: &map, points: &[point], out: std::slice::from_mut(&mut alone) }.run::<Plain>();
                 assert_eq!(alone, expected);
             }
         }

@@ -51,10 +51,15 @@ impl NodeNumbers {
 }
 
 /// A stored cell: its run and the cells before it there.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Place {
     run: u32,
     steps: u32,
+}
+
+impl Place {
+    /// No cell's.
+    pub const NONE: Place = Place { run: SOLID, steps: 0 };
 }
 
 /// [`Cell`] as the queries want it.
@@ -72,31 +77,10 @@ pub(crate) struct Hint {
     run: Run,
 }
 
-/// Where the nodes of a cell are: 12 places in the arrays.
-pub(crate) struct Starts {
-    bases: [u32; 12],
-    steps: u32,
-}
-
-impl Starts {
-    /// Two corners, lower and upper x, at (dy, dz) of `row`.
-    #[inline(always)]
-    pub fn corners(&self, row: usize) -> u32 {
-        self.bases[row] + self.steps
-    }
-
-    /// The two nodes of the x-edge at (dy, dz) of `row`.
-    #[inline(always)]
-    pub fn x_edges(&self, row: usize) -> u32 {
-        self.bases[4 + row] + 2 * self.steps
-    }
-
-    /// The two nodes of a y-edge at lower x, then at upper x, for dz = 0, 1; then those of z-edges for dy = 0, 1.
-    #[inline(always)]
-    pub fn yz_edges(&self, pair: usize) -> u32 {
-        self.bases[8 + pair] + 2 * self.steps
-    }
-}
+/// Where the nodes of a cell are, 12 places: two corners (lower and upper x) at each of the rows (dy, dz) = (0, 0),
+/// (1, 0), (0, 1), (1, 1); the x-edges of the same rows; four numbers of y-edges (lower x, then upper x) for each dz;
+/// the same of z-edges for each dy.
+pub(crate) struct Starts(pub [u32; 12]);
 
 /// Consecutive cells of one kind.
 #[derive(Clone, Copy, Debug)]
@@ -205,7 +189,12 @@ impl CellIndex {
 
     #[inline(always)]
     pub(crate) fn starts(&self, place: Place) -> Starts {
-        Starts { bases: self.bases[place.run as usize].nodes, steps: place.steps }
+        const ADVANCE: [u32; 12] = [1, 1, 1, 1, 2, 2, 2, 2, 2, 2, 2, 2];
+        let mut starts = self.bases[place.run as usize].nodes;
+        for (start, advance) in starts.iter_mut().zip(ADVANCE) {
+            *start += advance * place.steps;
+        }
+        Starts(starts)
     }
 
     /// What is known of a cell of the grid.

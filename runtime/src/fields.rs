@@ -69,9 +69,9 @@ pub(crate) fn rows<V: Lanes, S: Storage + ?Sized>(fields: &S, starts: &Starts) -
     let mut rows = [V::splat(0.0); ROWS];
     let row = |[a, b]: [[f64; 2]; 2]| V::new([a[0], a[1], b[0], b[1]]);
     for at in 0..4 {
-        rows[at] = row(fields.nodes(starts.corners(at)));
-        rows[4 + at] = row(fields.nodes(starts.x_edges(at)));
-        let [a, b, c, d] = fields.nodes(starts.yz_edges(at));
+        rows[at] = row(fields.nodes(starts.0[at]));
+        rows[4 + at] = row(fields.nodes(starts.0[4 + at]));
+        let [a, b, c, d] = fields.nodes(starts.0[8 + at]);
         rows[8 + 2 * at] = row([a, b]);
         rows[9 + 2 * at] = row([c, d]);
     }

@@ -1,6 +1,6 @@
 //! Distance, normal, closest point and volume at a point: Bender et al. 2020, section 4.3.
 
-use crate::batch::{answer, answer_all};
+use crate::batch::answer_all;
 use crate::cells::CellIndex;
 use crate::fields::Fields;
 use crate::grid::Grid;
@@ -67,7 +67,7 @@ impl VolumeMap {
     /// Distance, normal, closest point and volume at a point (metres, in the map's frame).
     pub fn sample(&self, point: DVec3) -> Sample {
         let mut out = Sample::Outside;
-        answer(self, point, &mut out);
+        answer_all(self, &[point], std::slice::from_mut(&mut out));
         out
     }
 
@@ -80,7 +80,7 @@ impl VolumeMap {
     /// Distance and volume at a point.
     pub fn values(&self, point: DVec3) -> Values {
         let mut out = Values::default();
-        answer(self, point, &mut out);
+        answer_all(self, &[point], std::slice::from_mut(&mut out));
         out
     }
 
