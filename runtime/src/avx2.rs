@@ -67,6 +67,11 @@ impl Lanes for Avx {
     }
 
     #[inline(always)]
+    fn widen([a, b, c, d]: [f32; LANES]) -> Avx {
+        Avx(unsafe { _mm256_cvtps_pd(_mm_setr_ps(a, b, c, d)) })
+    }
+
+    #[inline(always)]
     fn splat(number: f64) -> Avx {
         Avx(unsafe { _mm256_set1_pd(number) })
     }

@@ -6,7 +6,7 @@
 #[cfg(target_arch = "x86_64")]
 use crate::avx2;
 use crate::cells::{Found, Place};
-use crate::element::{Apart, Cubes, Field, Numbers, ROWS, Rows, Shared, Weights, difference};
+use crate::element::{Cube, Cubes, Numbers, Rows, Shared, Weights, differences};
 use crate::fields::{Fields, Storage, rows};
 use crate::grid::Grid;
 use crate::lanes::{LANES, Lanes, Plain, Work};
@@ -94,12 +94,8 @@ impl<V: Lanes> Evaluated<V> {
     #[inline(always)]
     fn new(numbers: &impl Numbers<V>, points: [V; 3], f: [V; 3]) -> Evaluated<V> {
         let weights = Weights::new(f);
-        Evaluated {
-            points,
-            distance: Cubes::new(numbers, Field::Distance, &weights),
-            volume: Cubes::new(numbers, Field::Volume, &weights),
-            weights,
-        }
+        let [distance, volume] = Cubes::of_both(numbers, &weights);
+        Evaluated { points, weights, distance, volume }
     }
 }
 
@@ -169,8 +165,7 @@ fn blocks<V: Lanes, S: Storage + ?Sized, A: Answer>(
         points: [[0.0; BLOCK]; 3],
     };
     let mut padded = [DVec3::NAN; BLOCK];
-    let mut shared = Differences { place: Place::NONE, numbers: Shared([0.0; 64]) };
-    let mut apart = Apart([V::splat(0.0); 4 * ROWS]);
+    let mut shared = Differences::none();
     for (points, out) in points.chunks(BLOCK).zip(out.chunks_mut(BLOCK)) {
         let block = match points.first_chunk() {
             Some(block) => block,
@@ -183,14 +178,15 @@ fn blocks<V: Lanes, S: Storage + ?Sized, A: Answer>(
         near.pad();
         let fours = near.count.div_ceil(LANES);
         for four in 0..fours {
-            let (points, f) = (near.four(&near.points, four), near.four(&near.f, four));
+            let points: [V; 3] = near.four(&near.points, four);
+            let f: [V; 3] = near.four(&near.f, four);
             let places = near.place.as_chunks::<LANES>().0[four];
             let which = &near.index[LANES * four..near.count.min(LANES * (four + 1))];
             if places == [places[0]; LANES] {
                 shared.load::<V, S>(map, fields, places[0]);
                 A::near(map, &Evaluated::new(&shared.numbers, points, f), which, out);
             } else {
-                side_by_side::<V, S>(map, fields, places, &mut apart);
+                let apart = Apart::load(map, fields, places);
                 A::near(map, &Evaluated::new(&apart, points, f), which, out);
             }
         }
@@ -313,45 +309,65 @@ struct Differences {
 }
 
 impl Differences {
+    fn none() -> Differences {
+        Differences { place: Place::NONE, numbers: Shared([[[0.0; 4]; 4]; 4]) }
+    }
+
     #[inline(always)]
     fn load<V: Lanes, S: Storage + ?Sized>(&mut self, map: &VolumeMap, fields: &S, place: Place) {
         if self.place == place {
             return;
         }
-        let rows = differences::<V, S>(map, fields, place);
-        for (row, numbers) in rows.into_iter().zip(self.numbers.0.as_chunks_mut().0) {
-            let [d, v, upper_d, upper_v] = row.array();
-            *numbers = [d, v, upper_d - d, upper_v - v];
+        let starts = map.cells.starts(place);
+        for (cube, numbers) in self.numbers.0.iter_mut().enumerate() {
+            let rows: Rows<V> = differences(rows(fields, &starts, cube));
+            for (row, numbers) in rows.into_iter().zip(numbers) {
+                let [d, v, upper_d, upper_v] = row.array();
+                *numbers = [d, v, upper_d - d, upper_v - v];
+            }
         }
         self.place = place;
     }
 }
 
-#[inline(always)]
-fn differences<V: Lanes, S: Storage + ?Sized>(map: &VolumeMap, fields: &S, place: Place) -> Rows<V> {
-    let mut rows = rows(fields, &map.cells.starts(place));
-    difference(&mut rows);
-    rows
+/// Each of four points in a cell of its own.
+struct Apart<V>([[Rows<V>; 4]; LANES]);
+
+impl<V: Lanes> Apart<V> {
+    /// All cells before any is needed: their memory is waited for at once.
+    #[inline(always)]
+    fn load<S: Storage + ?Sized>(map: &VolumeMap, fields: &S, [a, b, c, d]: [Place; LANES]) -> Apart<V> {
+        Apart([
+            all_differences(map, fields, a),
+            all_differences(map, fields, b),
+            all_differences(map, fields, c),
+            all_differences(map, fields, d),
+        ])
+    }
 }
 
-/// Four cells' differences, number by number.
 #[inline(always)]
-fn side_by_side<V: Lanes, S: Storage + ?Sized>(
-    map: &VolumeMap,
-    fields: &S,
-    places: [Place; LANES],
-    out: &mut Apart<V>,
-) {
-    let a: Rows<V> = differences(map, fields, places[0]);
-    let b: Rows<V> = differences(map, fields, places[1]);
-    let c: Rows<V> = differences(map, fields, places[2]);
-    let d: Rows<V> = differences(map, fields, places[3]);
-    for row in 0..ROWS {
-        let [lower_d, lower_v, upper_d, upper_v] = V::transpose([a[row], b[row], c[row], d[row]]);
-        out.0[4 * row] = lower_d;
-        out.0[4 * row + 1] = lower_v;
-        out.0[4 * row + 2] = upper_d - lower_d;
-        out.0[4 * row + 3] = upper_v - lower_v;
+fn all_differences<V: Lanes, S: Storage + ?Sized>(map: &VolumeMap, fields: &S, place: Place) -> [Rows<V>; 4] {
+    let starts = map.cells.starts(place);
+    [
+        differences(rows(fields, &starts, 0)),
+        differences(rows(fields, &starts, 1)),
+        differences(rows(fields, &starts, 2)),
+        differences(rows(fields, &starts, 3)),
+    ]
+}
+
+impl<V: Lanes> Numbers<V> for Apart<V> {
+    #[inline(always)]
+    fn cube(&self, cube: usize) -> Cube<V> {
+        let [a, b, c, d] = &self.0;
+        let mut out = [[V::splat(0.0); 4]; 4];
+        for (row, out) in out.iter_mut().enumerate() {
+            let four = [a[cube][row], b[cube][row], c[cube][row], d[cube][row]];
+            let [lower_d, lower_v, upper_d, upper_v] = V::transpose(four);
+            *out = [lower_d, lower_v, upper_d - lower_d, upper_v - lower_v];
+        }
+        out
     }
 }
 
@@ -364,7 +380,7 @@ fn one<V: Lanes, S: Storage + ?Sized, A: Answer>(map: &VolumeMap, fields: &S, po
     };
     match map.cells.place(cell, &mut map.cells.hint()) {
         Found::Band(place) => {
-            let mut shared = Differences { place: Place::NONE, numbers: Shared([0.0; 64]) };
+            let mut shared = Differences::none();
             shared.load::<V, S>(map, fields, place);
             let lanes = |v: DVec3| [V::splat(v.x), V::splat(v.y), V::splat(v.z)];
             let evaluated = Evaluated::new(&shared.numbers, lanes(point), lanes(f));

@@ -13,31 +13,27 @@
 
 use crate::lanes::Lanes;
 
-/// Rows of a cell's nodes: four a cube, (second axis, third axis) = (0, 0), (1, 0), (0, 1), (1, 1). In a row the two
-/// nodes along the cube's first axis: the corner's x or the edge's own.
-pub(crate) const ROWS: usize = 16;
+/// A cube's nodes in four rows, (second axis, third axis) = (0, 0), (1, 0), (0, 1), (1, 1), each of the two along its
+/// first axis (the corner's x, or the edge's own): distance and volume of the lower, distance and volume of the upper.
+pub(crate) type Rows<V> = [V; 4];
 
-/// The numbers of a row: distance and volume of its lower node, distance and volume of its upper node.
-pub(crate) type Rows<V> = [V; ROWS];
+/// The differences of a cube by row and place in the row, for four points: of distance and volume of the lower nodes,
+/// and of distance and volume "upper minus lower".
+pub(crate) type Cube<V> = [[V; 4]; 4];
 
 /// Which field: its place in a row.
 #[derive(Clone, Copy)]
-pub(crate) enum Field {
+enum Field {
     Distance = 0,
     Volume = 1,
 }
 
-/// Differences of each cube along its second and third axes, in place. (Those along the first, within the rows,
-/// are left to who lays the rows out.)
+/// Differences of a cube along its second and third axes. (Those along the first, within the rows, are left to who
+/// lays the rows out.)
 #[inline(always)]
-pub(crate) fn difference<V: Lanes>(rows: &mut Rows<V>) {
-    for cube in 0..4 {
-        let at = 4 * cube;
-        rows[at + 1] = rows[at + 1] - rows[at];
-        rows[at + 3] = rows[at + 3] - rows[at + 2];
-        rows[at + 2] = rows[at + 2] - rows[at];
-        rows[at + 3] = rows[at + 3] - rows[at + 1];
-    }
+pub(crate) fn differences<V: Lanes>([a, b, c, d]: Rows<V>) -> Rows<V> {
+    let (second, third) = (b - a, c - a);
+    [a, second, third, (d - c) - second]
 }
 
 /// Factors of the formula at the top and their derivatives with respect to f, each by axis.
@@ -92,46 +88,39 @@ struct Pair<V> {
     rise: Patch<V>,
 }
 
-/// The differences of the cells of four points, by row and by place in the row.
+/// The differences of the cells of four points.
 pub(crate) trait Numbers<V> {
-    fn number(&self, row: usize, at: usize) -> V;
+    /// Of corners, x-edges, y-edges or z-edges.
+    fn cube(&self, cube: usize) -> Cube<V>;
 }
 
 /// All four points in one cell.
-pub(crate) struct Shared(pub [f64; 4 * ROWS]);
+pub(crate) struct Shared(pub [[[f64; 4]; 4]; 4]);
 
 impl<V: Lanes> Numbers<V> for Shared {
     #[inline(always)]
-    fn number(&self, row: usize, at: usize) -> V {
-        V::splat(self.0[4 * row + at])
-    }
-}
-
-/// Each point in a cell of its own.
-pub(crate) struct Apart<V>(pub [V; 4 * ROWS]);
-
-impl<V: Lanes> Numbers<V> for Apart<V> {
-    #[inline(always)]
-    fn number(&self, row: usize, at: usize) -> V {
-        self.0[4 * row + at]
+    fn cube(&self, cube: usize) -> Cube<V> {
+        let mut out = [[V::splat(0.0); 4]; 4];
+        for (out, row) in out.iter_mut().zip(&self.0[cube]) {
+            *out = [V::splat(row[0]), V::splat(row[1]), V::splat(row[2]), V::splat(row[3])];
+        }
+        out
     }
 }
 
 impl<V: Lanes> Pair<V> {
     #[inline(always)]
-    fn new(numbers: &impl Numbers<V>, cube: usize, field: Field, p: V, s: V) -> Pair<V> {
-        let row = 4 * cube;
-        let lower = field as usize;
-        let rise = lower + 2;
-        let at = |row: usize, at: usize| numbers.number(row, at);
+    fn new([a, b, c, d]: &Cube<V>, field: Field, p: V, s: V) -> Pair<V> {
+        let (lower, rise) = (field as usize, 2 + field as usize);
         Pair {
-            lower: Patch::new(
-                [at(row, lower), at(row + 1, lower), at(row + 2, lower), at(row + 3, lower)],
-                p,
-                s,
-            ),
-            rise: Patch::new([at(row, rise), at(row + 1, rise), at(row + 2, rise), at(row + 3, rise)], p, s),
+            lower: Patch::new([a[lower], b[lower], c[lower], d[lower]], p, s),
+            rise: Patch::new([a[rise], b[rise], c[rise], d[rise]], p, s),
         }
+    }
+
+    #[inline(always)]
+    fn of_both(cube: &Cube<V>, p: V, s: V) -> [Pair<V>; 2] {
+        [Pair::new(cube, Field::Distance, p, s), Pair::new(cube, Field::Volume, p, s)]
     }
 
     #[inline(always)]
@@ -159,15 +148,15 @@ pub(crate) struct Cubes<V> {
 }
 
 impl<V: Lanes> Cubes<V> {
+    /// Of distance and volume. A cube at a time, for that many numbers fit into the registers.
     #[inline(always)]
-    pub fn new(numbers: &impl Numbers<V>, field: Field, w: &Weights<V>) -> Cubes<V> {
-        let [x, y, z] = w.f;
-        Cubes {
-            corners: Pair::new(numbers, 0, field, y, z),
-            x: Pair::new(numbers, 1, field, y, z),
-            y: Pair::new(numbers, 2, field, x, z),
-            z: Pair::new(numbers, 3, field, x, y),
-        }
+    pub fn of_both(numbers: &impl Numbers<V>, w: &Weights<V>) -> [Cubes<V>; 2] {
+        let [fx, fy, fz] = w.f;
+        let [corners, corners_v] = Pair::of_both(&numbers.cube(0), fy, fz);
+        let [x, x_v] = Pair::of_both(&numbers.cube(1), fy, fz);
+        let [y, y_v] = Pair::of_both(&numbers.cube(2), fx, fz);
+        let [z, z_v] = Pair::of_both(&numbers.cube(3), fx, fy);
+        [Cubes { corners, x, y, z }, Cubes { corners: corners_v, x: x_v, y: y_v, z: z_v }]
     }
 
     #[inline(always)]

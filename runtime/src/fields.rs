@@ -1,7 +1,7 @@
 //! The values at the nodes, and how a cell's are read: all that depends on how they are stored.
 
 use crate::cells::Starts;
-use crate::element::{ROWS, Rows};
+use crate::element::Rows;
 use crate::lanes::Lanes;
 use volmap_formats::asset::Array;
 
@@ -37,43 +37,56 @@ impl Fields {
 
 /// One way to store the values at the nodes.
 pub(crate) trait Storage {
-    /// Distance and volume of `N` nodes that follow each other.
-    fn nodes<const N: usize>(&self, start: u32) -> [[f64; 2]; N];
+    /// Distance and volume of two nodes that follow each other.
+    fn two<V: Lanes>(&self, start: u32) -> V;
+    /// Of four.
+    fn four<V: Lanes>(&self, start: u32) -> [V; 2];
 }
 
 impl Storage for [[f32; 2]] {
     #[inline(always)]
-    fn nodes<const N: usize>(&self, start: u32) -> [[f64; 2]; N] {
-        let start = start as usize;
-        let mut out = [[0.0; 2]; N];
-        for (out, value) in out.iter_mut().zip(&self[start..start + N]) {
-            *out = [f64::from(value[0]), f64::from(value[1])];
-        }
-        out
+    fn two<V: Lanes>(&self, start: u32) -> V {
+        let [a, b] = slice(self, start);
+        V::widen([a[0], a[1], b[0], b[1]])
+    }
+
+    #[inline(always)]
+    fn four<V: Lanes>(&self, start: u32) -> [V; 2] {
+        let [a, b, c, d] = slice(self, start);
+        [V::widen([a[0], a[1], b[0], b[1]]), V::widen([c[0], c[1], d[0], d[1]])]
     }
 }
 
 impl Storage for [[f64; 2]] {
     #[inline(always)]
-    fn nodes<const N: usize>(&self, start: u32) -> [[f64; 2]; N] {
-        let start = start as usize;
-        let mut out = [[0.0; 2]; N];
-        out.copy_from_slice(&self[start..start + N]);
-        out
+    fn two<V: Lanes>(&self, start: u32) -> V {
+        let [a, b] = slice(self, start);
+        V::new([a[0], a[1], b[0], b[1]])
+    }
+
+    #[inline(always)]
+    fn four<V: Lanes>(&self, start: u32) -> [V; 2] {
+        let [a, b, c, d] = slice(self, start);
+        [V::new([a[0], a[1], b[0], b[1]]), V::new([c[0], c[1], d[0], d[1]])]
     }
 }
 
-/// The 32 nodes of a cell.
+/// In range for every cell: that is what is checked when the map is opened.
 #[inline(always)]
-pub(crate) fn rows<V: Lanes, S: Storage + ?Sized>(fields: &S, starts: &Starts) -> Rows<V> {
-    let mut rows = [V::splat(0.0); ROWS];
-    let row = |[a, b]: [[f64; 2]; 2]| V::new([a[0], a[1], b[0], b[1]]);
-    for at in 0..4 {
-        rows[at] = row(fields.nodes(starts.0[at]));
-        rows[4 + at] = row(fields.nodes(starts.0[4 + at]));
-        let [a, b, c, d] = fields.nodes(starts.0[8 + at]);
-        rows[8 + 2 * at] = row([a, b]);
-        rows[9 + 2 * at] = row([c, d]);
+fn slice<T, const N: usize>(nodes: &[T], start: u32) -> &[T; N] {
+    let start = start as usize;
+    nodes[start..start + N].first_chunk().expect("as long as the slice")
+}
+
+/// The nodes of one of a cell's four cubes.
+#[inline(always)]
+pub(crate) fn rows<V: Lanes, S: Storage + ?Sized>(fields: &S, Starts(at): &Starts, cube: usize) -> Rows<V> {
+    if cube < 2 {
+        let at = &at[4 * cube..4 * cube + 4];
+        [fields.two(at[0]), fields.two(at[1]), fields.two(at[2]), fields.two(at[3])]
+    } else {
+        let at = &at[4 + 2 * cube..6 + 2 * cube];
+        let ([a, b], [c, d]) = (fields.four(at[0]), fields.four(at[1]));
+        [a, b, c, d]
     }
-    rows
 }

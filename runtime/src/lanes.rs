@@ -13,6 +13,7 @@ pub(crate) trait Lanes:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
 {
     fn new(numbers: [f64; LANES]) -> Self;
+    fn widen(numbers: [f32; LANES]) -> Self;
     fn splat(number: f64) -> Self;
     fn array(self) -> [f64; LANES];
     fn sqrt(self) -> Self;
@@ -83,6 +84,11 @@ impl Lanes for Plain {
     #[inline(always)]
     fn new(numbers: [f64; LANES]) -> Plain {
         Plain(numbers)
+    }
+
+    #[inline(always)]
+    fn widen([a, b, c, d]: [f32; LANES]) -> Plain {
+        Plain([f64::from(a), f64::from(b), f64::from(c), f64::from(d)])
     }
 
     #[inline(always)]
