@@ -15,7 +15,7 @@
 //!
 //! Guaranteed: after [`VolumeMap::open`] no query fails or panics, whatever the point (NaN is outside); memory is
 //! bounded by the file's size and 28 bytes a row of the grid's cells, of which there are at most 2^24; answers
-//! don't depend on the thread or the batch. A map is `Send + Sync`.
+//! don't depend on the thread, the batch or the processor, to the bit. A map is `Send + Sync`.
 //! Not guaranteed: gradients are continuous inside cells only (C0 elements).
 
 // For what the unit tests share with the others.
