@@ -62,6 +62,38 @@ impl NodeNumbers {
     }
 }
 
+/// A stored cell: its run and the cells before it there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Place {
+    run: u32,
+    steps: u32,
+}
+
+impl Place {
+    /// No cell's.
+    pub const NONE: Place = Place { run: SOLID, steps: 0 };
+}
+
+/// [`Cell`] as the queries want it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Found {
+    Band(Place),
+    Solid,
+    Fluid,
+}
+
+/// The run of the last answer: the next point's, often.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Hint {
+    row: usize,
+    run: Run,
+}
+
+/// Where the nodes of a cell are, 12 places: two corners (lower and upper x) at each of the rows (dy, dz) = (0, 0),
+/// (1, 0), (0, 1), (1, 1); the x-edges of the same rows; four numbers of y-edges (lower x, then upper x) for each dz;
+/// the same of z-edges for each dy.
+pub(crate) struct Starts(pub [u32; 12]);
+
 /// Consecutive cells of one kind.
 #[derive(Clone, Copy, Debug)]
 struct Run {
@@ -157,6 +189,38 @@ impl CellIndex {
             };
             (run.first..run.end, cell)
         })
+    }
+
+    /// A hint that fits no cell.
+    pub(crate) fn hint(&self) -> Hint {
+        Hint { row: usize::MAX, run: Run { first: 0, end: 0, bases: SOLID } }
+    }
+
+    /// What is known of a cell of the grid.
+    #[inline(always)]
+    pub(crate) fn place(&self, cell: UVec3, hint: &mut Hint) -> Found {
+        let row = (cell.y + self.resolution.y * cell.z) as usize;
+        if hint.row != row || cell.x < hint.run.first || cell.x >= hint.run.end {
+            let runs = &self.runs[self.row_start[row] as usize..self.row_start[row + 1] as usize];
+            match runs.get(runs.partition_point(|run| run.end <= cell.x)) {
+                Some(run) if run.first <= cell.x => *hint = Hint { row, run: *run },
+                _ => return Found::Fluid,
+            }
+        }
+        match hint.run.bases {
+            SOLID => Found::Solid,
+            run => Found::Band(Place { run, steps: cell.x - hint.run.first }),
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn starts(&self, place: Place) -> Starts {
+        const ADVANCE: [u32; 12] = [1, 1, 1, 1, 2, 2, 2, 2, 2, 2, 2, 2];
+        let mut starts = self.bases[place.run as usize].nodes;
+        for (start, advance) in starts.iter_mut().zip(ADVANCE) {
+            *start += advance * place.steps;
+        }
+        Starts(starts)
     }
 
     /// What is known of a cell of the grid.

@@ -36,13 +36,20 @@ impl Grid {
 
     /// Cell and reference coordinates of a point; `None` outside the (closed) domain and for NaN.
     pub fn locate(&self, point: DVec3) -> Option<Location> {
+        let (cell, f) = self.cell_and_place(point)?;
+        Some(Location { cell, xi: f * 2.0 - DVec3::ONE })
+    }
+
+    /// As [`Grid::locate`], with the place in the cell from 0 to 1 along each axis.
+    #[inline(always)]
+    pub(crate) fn cell_and_place(&self, point: DVec3) -> Option<(UVec3, DVec3)> {
         let u = (point - self.origin) / self.cell_size;
         let n = self.resolution.as_dvec3();
         if !(u.cmpge(DVec3::ZERO).all() && u.cmple(n).all()) {
             return None;
         }
         let cell = u.as_uvec3().min(self.resolution - UVec3::ONE);
-        Some(Location { cell, xi: (u - cell.as_dvec3()) * 2.0 - DVec3::ONE })
+        Some((cell, u - cell.as_dvec3()))
     }
 }
 

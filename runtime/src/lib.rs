@@ -15,12 +15,22 @@
 //!
 //! Guaranteed: after [`VolumeMap::open`] no query fails or panics, whatever the point (NaN is outside); memory is
 //! bounded by the file's size and 28 bytes a row of the grid's cells, of which there are at most 2^24; answers
-//! don't depend on the thread or the batch. A map is `Send + Sync`.
+//! don't depend on the thread, the batch or the processor, to the bit. A map is `Send + Sync`.
 //! Not guaranteed: gradients are continuous inside cells only (C0 elements).
 
+// For what the unit tests share with the others.
+#[cfg(test)]
+extern crate self as volmap_runtime;
+
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+mod batch;
 mod cells;
+mod element;
 mod error;
+mod fields;
 mod grid;
+mod lanes;
 mod nodes;
 mod open;
 mod pose;
@@ -33,4 +43,4 @@ pub use glam::{DQuat, DVec3};
 pub use grid::{Grid, Location};
 pub use nodes::{Family, NodeInterval, Nodes};
 pub use pose::{Pose, PosedMap};
-pub use query::{Boundary, Sample, VolumeMap};
+pub use query::{Boundary, Sample, Values, VolumeMap};

@@ -2,9 +2,10 @@
 
 use crate::cells::CellIndex;
 use crate::error::Error;
+use crate::fields::Fields;
 use crate::grid::Grid;
 use crate::nodes::Nodes;
-use crate::query::{Fields, VolumeMap};
+use crate::query::VolumeMap;
 use glam::{DVec3, UVec3};
 use std::path::Path;
 use volmap_formats::asset::{self, Array, Asset, CellRun, MAX_CELLS_PER_AXIS, MAX_ROWS};
@@ -46,6 +47,7 @@ impl VolumeMap {
         let fields = interleave(&asset.signed_distance, &asset.volume, nodes.count())?;
         Ok(VolumeMap {
             grid,
+            per_cell: 1.0 / grid.cell_size,
             support_radius: asset.support_radius,
             exterior: asset.exterior,
             quadrature: asset.quadrature.clone(),
@@ -110,13 +112,5 @@ fn interleave(distance: &Array, volume: &Array, nodes: usize) -> Result<Fields, 
             return Err(Error::inconsistent(what, "has a step that isn't positive, or no finite bound"));
         }
     }
-    match (distance, volume) {
-        (Array::F32(d), Array::F32(v)) => Ok(Fields::F32(d.iter().zip(v).map(|(&d, &v)| [d, v]).collect())),
-        (Array::F64(d), Array::F64(v)) => Ok(Fields::F64(d.iter().zip(v).map(|(&d, &v)| [d, v]).collect())),
-        (Array::Rounded(d), Array::Rounded(v)) => {
-            let nodes = d.multiples.iter().zip(&v.multiples).map(|(&d, &v)| [d, v]).collect();
-            Ok(Fields::Rounded(nodes, [d.step, v.step]))
-        }
-        _ => Err(Error::inconsistent("/fields", "differ in precision")),
-    }
+    Fields::interleave(distance, volume).ok_or_else(|| Error::inconsistent("/fields", "differ in precision"))
 }

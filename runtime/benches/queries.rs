@@ -1,0 +1,135 @@
+//! Nanoseconds a point and milliseconds an opening, one thread: `cargo bench -p volmap-runtime`.
+//!
+//! The map is a torus made from closed forms. Every round measures every way once, so that what else the machine
+//! does hits all alike; the table gives medians. `BENCHMARKS.md` says what the numbers mean.
+
+#[path = "../tests/analytic/mod.rs"]
+mod analytic;
+
+use analytic::{Oracle, Random, asset, single};
+use std::hint::black_box;
+use std::time::Instant;
+use volmap_formats::asset::{Asset, CellRun, GridSpec};
+use volmap_runtime::{DVec3, Grid, Sample, VolumeMap};
+
+const ROUNDS: usize = 31;
+const POINTS: usize = 50_000;
+const RADIUS: f64 = 0.1;
+
+fn phi(x: DVec3) -> f64 {
+    (x.x.hypot(x.z) - 0.5).hypot(x.y) - 0.25
+}
+
+fn volume(x: DVec3) -> f64 {
+    let depth = (0.5 - phi(x) / RADIUS).clamp(0.0, 1.0);
+    0.004 * depth * depth * (3.0 - 2.0 * depth)
+}
+
+/// A torus of 1.5 m on a grid of the domain that the peer chooses, the box grown by 8 r, or on a tight one.
+fn torus(resolution: [u32; 3], margin: f64) -> Asset {
+    let corner = DVec3::new(0.75, 0.25, 0.75) + margin;
+    let cell_size =
+        2.0 * corner / DVec3::new(resolution[0].into(), resolution[1].into(), resolution[2].into());
+    let grid = GridSpec { origin: (-corner).into(), cell_size: cell_size.into(), resolution };
+    let lattice = Grid::from(grid);
+    let reach = 2.0 * RADIUS + 0.5 * cell_size.length();
+    let mut cells = [Vec::new(), Vec::new()];
+    for k in 0..resolution[2] {
+        for j in 0..resolution[1] {
+            for i in 0..resolution[0] {
+                let depth = phi(lattice.cell_corner([i, j, k].into()) + 0.5 * cell_size);
+                if depth <= reach {
+                    push(&mut cells[usize::from(depth < -reach)], i, j, k);
+                }
+            }
+        }
+    }
+    asset(grid, cells, phi, volume)
+}
+
+fn push(runs: &mut Vec<CellRun>, i: u32, j: u32, k: u32) {
+    match runs.last_mut() {
+        Some(run) if (run.k, run.j, run.i + run.len) == (k, j, i) => run.len += 1,
+        _ => runs.push(CellRun { i, j, k, len: 1 }),
+    }
+}
+
+/// Particles near the wall: 0 < Phi < 2 r.
+fn particles(map: &VolumeMap) -> Vec<DVec3> {
+    let mut random = Random(1);
+    let mut points = Vec::with_capacity(POINTS);
+    while points.len() < POINTS {
+        let point = random.point(map.grid().origin, map.grid().max_corner());
+        if map.sample(point).near().is_some_and(|at| at.distance > 0.0 && at.distance < 2.0 * RADIUS) {
+            points.push(point);
+        }
+    }
+    points
+}
+
+fn median(mut times: Vec<f64>) -> f64 {
+    times.sort_by(f64::total_cmp);
+    times[times.len() / 2]
+}
+
+fn seconds(work: impl FnOnce()) -> f64 {
+    let start = Instant::now();
+    work();
+    start.elapsed().as_secs_f64()
+}
+
+/// Nanoseconds a point: oracle, samples alone, batch, batch of values.
+fn queries(map: &VolumeMap, oracle: &Oracle, points: &[DVec3]) -> [f64; 4] {
+    let (mut samples, mut values) = (Vec::new(), Vec::new());
+    let mut times: [Vec<f64>; 4] = Default::default();
+    for _ in 0..ROUNDS {
+        times[0].push(seconds(|| {
+            samples.clear();
+            samples.extend(points.iter().map(|&x| oracle.sample(x).0));
+        }));
+        times[1].push(seconds(|| {
+            samples.clear();
+            samples.extend(points.iter().map(|&x| map.sample(x)));
+        }));
+        times[2].push(seconds(|| map.sample_batch(points, &mut samples)));
+        times[3].push(seconds(|| map.values_batch(points, &mut values)));
+        black_box::<&[Sample]>(&samples);
+        black_box(&values);
+    }
+    times.map(|times| 1e9 * median(times) / points.len() as f64)
+}
+
+fn report(name: &str, asset: &Asset) {
+    let map = VolumeMap::from_asset(asset).unwrap();
+    let oracle = Oracle::new(asset);
+    let mut points = particles(&map);
+    let opened = median((0..ROUNDS).map(|_| seconds(|| drop(VolumeMap::from_asset(asset)))).collect());
+    let megabytes = map.memory_bytes() as f64 / 1e6;
+    for order in ["random", "sorted"] {
+        if order == "sorted" {
+            points.sort_by_key(|&x| map.grid().locate(x).map(|at| (at.cell.z, at.cell.y, at.cell.x)));
+        }
+        let [plain, alone, batch, values] = queries(&map, &oracle, &points);
+        println!(
+            "{name:22} {order:7} {plain:8.1} {alone:8.1} {batch:8.1} {values:8.1}  {:6.2} {megabytes:6.2}",
+            1e3 * opened
+        );
+    }
+}
+
+fn main() {
+    println!(
+        "{POINTS} points with 0 < Phi < 2 r, medians of {ROUNDS} rounds, ns a point; from_asset in ms; MB in memory"
+    );
+    println!(
+        "{:22} {:7} {:>8} {:>8} {:>8} {:>8}  {:>6} {:>6}",
+        "map", "order", "oracle", "sample", "batch", "values", "open", "MB"
+    );
+    for (name, resolution, margin) in
+        [("torus 20^3", [20; 3], 0.8), ("torus 40^3", [40; 3], 0.8), ("torus 96x44x96", [96, 44, 96], 0.3)]
+    {
+        let double = torus(resolution, margin);
+        report(&format!("{name} f32"), &single(&double));
+        report(&format!("{name} f64"), &double);
+    }
+}

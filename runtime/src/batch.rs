@@ -1,0 +1,433 @@
+//! Many points at a time: locate and find a block of them, then evaluate those of the band by fours.
+//!
+//! Points that lie in one cell, as sorted particles do, share its differences; others are laid side by side. Both give
+//! the bits of a point by itself, for each number goes through the same operations.
+
+#[cfg(target_arch = "x86_64")]
+use crate::avx2;
+use crate::cells::{Found, Place};
+use crate::element::{Cube, Cubes, Numbers, Rows, Shared, Weights, differences};
+use crate::fields::{Fields, Storage, rows};
+use crate::grid::Grid;
+use crate::lanes::{LANES, Lanes, Plain, Work};
+use crate::query::{Boundary, Sample, Values, VolumeMap};
+use glam::{DVec3, UVec3};
+use volmap_formats::asset::Exterior;
+
+/// Points of a block.
+const BLOCK: usize = 64;
+
+/// What a batch answers of each point.
+pub(crate) trait Answer: Copy {
+    fn outside(map: &VolumeMap) -> Self;
+    fn deep_inside(map: &VolumeMap) -> Self;
+    /// Answers the points `which` of `out`, at most four, which are in the band.
+    fn near<V: Lanes>(map: &VolumeMap, at: &Evaluated<V>, which: &[u32], out: &mut [Self]);
+}
+
+impl Answer for Values {
+    #[inline(always)]
+    fn outside(_: &VolumeMap) -> Values {
+        Values { distance: f64::INFINITY, volume: 0.0 }
+    }
+
+    #[inline(always)]
+    fn deep_inside(map: &VolumeMap) -> Values {
+        Values { distance: f64::NEG_INFINITY, volume: map.quadrature.ball_volume }
+    }
+
+    #[inline(always)]
+    fn near<V: Lanes>(_: &VolumeMap, at: &Evaluated<V>, which: &[u32], out: &mut [Values]) {
+        let (distance, volume) =
+            (at.distance.value(&at.weights).array(), at.volume.value(&at.weights).array());
+        for (lane, &point) in which.iter().enumerate() {
+            out[point as usize] = Values { distance: distance[lane], volume: volume[lane] };
+        }
+    }
+}
+
+impl Answer for Sample {
+    #[inline(always)]
+    fn outside(_: &VolumeMap) -> Sample {
+        Sample::Outside
+    }
+
+    #[inline(always)]
+    fn deep_inside(_: &VolumeMap) -> Sample {
+        Sample::DeepInside
+    }
+
+    #[inline(always)]
+    fn near<V: Lanes>(map: &VolumeMap, at: &Evaluated<V>, which: &[u32], out: &mut [Sample]) {
+        let (distance, volume) = (at.distance.value(&at.weights), at.volume.value(&at.weights));
+        let slope = at.distance.gradient(&at.weights);
+        let per_cell = map.per_cell;
+        let n = unit([
+            slope[0] * V::splat(per_cell.x),
+            slope[1] * V::splat(per_cell.y),
+            slope[2] * V::splat(per_cell.z),
+        ]);
+        let closest = |axis: usize| (at.points[axis] - distance * n[axis]).array();
+        let (x, y, z) = (closest(0), closest(1), closest(2));
+        let n = [n[0].array(), n[1].array(), n[2].array()];
+        let (distance, volume) = (distance.array(), volume.array());
+        for (lane, &point) in which.iter().enumerate() {
+            out[point as usize] = Sample::Near(Boundary {
+                distance: distance[lane],
+                normal: DVec3::new(n[0][lane], n[1][lane], n[2][lane]),
+                closest_point: DVec3::new(x[lane], y[lane], z[lane]),
+                volume: volume[lane],
+            });
+        }
+    }
+}
+
+/// Four points in the band and the element there.
+pub(crate) struct Evaluated<V> {
+    points: [V; 3],
+    weights: Weights<V>,
+    distance: Cubes<V>,
+    volume: Cubes<V>,
+}
+
+impl<V: Lanes> Evaluated<V> {
+    #[inline(always)]
+    fn new(numbers: &impl Numbers<V>, points: [V; 3], f: [V; 3]) -> Evaluated<V> {
+        let weights = Weights::new(f);
+        let [distance, volume] = Cubes::of_both(numbers, &weights);
+        Evaluated { points, weights, distance, volume }
+    }
+}
+
+/// Vectors of length 1, or zero where that can't be.
+#[inline(always)]
+fn unit<V: Lanes>(v: [V; 3]) -> [V; 3] {
+    let square = (v[0] * v[0] + v[1] * v[1]) + v[2] * v[2];
+    let inverse = (V::splat(1.0) / square.sqrt()).zero_unless_below(V::splat(f64::INFINITY));
+    [v[0] * inverse, v[1] * inverse, v[2] * inverse]
+}
+
+/// Answers for all points, with the widest vectors that this processor has; `out` is as long as `points`.
+pub(crate) fn answer_all<A: Answer>(map: &VolumeMap, points: &[DVec3], out: &mut [A]) {
+    let all = All { map, points, out };
+    #[cfg(target_arch = "x86_64")]
+    let Some(all) = avx2::run(all) else { return };
+    all.run::<Plain>();
+}
+
+/// Points and where their answers go.
+struct All<'a, A> {
+    map: &'a VolumeMap,
+    points: &'a [DVec3],
+    out: &'a mut [A],
+}
+
+impl<A: Answer> Work for All<'_, A> {
+    #[inline(always)]
+    fn run<V: Lanes>(self) {
+        batch::<V, A>(self.map, self.points, self.out);
+    }
+}
+
+#[inline(always)]
+fn batch<V: Lanes, A: Answer>(map: &VolumeMap, points: &[DVec3], out: &mut [A]) {
+    match &map.fields {
+        Fields::F32(nodes) => answers::<V, _, A>(map, nodes.as_slice(), points, out),
+        Fields::F64(nodes) => answers::<V, _, A>(map, nodes.as_slice(), points, out),
+        Fields::Rounded(multiples) => answers::<V, _, A>(map, multiples, points, out),
+    }
+}
+
+#[inline(always)]
+fn answers<V: Lanes, S: Storage + ?Sized, A: Answer>(
+    map: &VolumeMap,
+    fields: &S,
+    points: &[DVec3],
+    out: &mut [A],
+) {
+    match (points, &mut *out) {
+        ([point], [out]) => one::<V, S, A>(map, fields, *point, out),
+        _ => blocks::<V, S, A>(map, fields, points, out),
+    }
+}
+
+#[inline(always)]
+fn blocks<V: Lanes, S: Storage + ?Sized, A: Answer>(
+    map: &VolumeMap,
+    fields: &S,
+    points: &[DVec3],
+    out: &mut [A],
+) {
+    let mut near = Near {
+        count: 0,
+        index: [0; BLOCK],
+        place: [Place::NONE; BLOCK],
+        f: [[0.0; BLOCK]; 3],
+        points: [[0.0; BLOCK]; 3],
+    };
+    let mut padded = [DVec3::NAN; BLOCK];
+    let mut shared = Differences::none();
+    for (points, out) in points.chunks(BLOCK).zip(out.chunks_mut(BLOCK)) {
+        let block = match points.first_chunk() {
+            Some(block) => block,
+            None => {
+                padded[..points.len()].copy_from_slice(points);
+                &padded
+            }
+        };
+        collect::<V, A>(map, block, out, &mut near);
+        near.pad();
+        let fours = near.count.div_ceil(LANES);
+        for four in 0..fours {
+            let points: [V; 3] = near.four(&near.points, four);
+            let f: [V; 3] = near.four(&near.f, four);
+            let places = near.place.as_chunks::<LANES>().0[four];
+            let which = &near.index[LANES * four..near.count.min(LANES * (four + 1))];
+            if places == [places[0]; LANES] {
+                shared.load::<V, S>(map, fields, places[0]);
+                A::near(map, &Evaluated::new(&shared.numbers, points, f), which, out);
+            } else {
+                let apart = Apart::load(map, fields, places);
+                A::near(map, &Evaluated::new(&apart, points, f), which, out);
+            }
+        }
+    }
+}
+
+/// Points of a block that lie in the band.
+struct Near {
+    count: usize,
+    /// Which of the block.
+    index: [u32; BLOCK],
+    place: [Place; BLOCK],
+    /// Place in the cell, 0 to 1 along each axis.
+    f: [[f64; BLOCK]; 3],
+    points: [[f64; BLOCK]; 3],
+}
+
+impl Near {
+    /// Fills the last four up with copies.
+    #[inline(always)]
+    fn pad(&mut self) {
+        for n in self.count..self.count.next_multiple_of(LANES).min(BLOCK) {
+            self.place[n] = self.place[n - 1];
+            for axis in 0..3 {
+                self.f[axis][n] = self.f[axis][n - 1];
+                self.points[axis][n] = self.points[axis][n - 1];
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn four<V: Lanes>(&self, of: &[[f64; BLOCK]; 3], four: usize) -> [V; 3] {
+        let axis = |axis: usize| V::new(of[axis].as_chunks::<LANES>().0[four]);
+        [axis(0), axis(1), axis(2)]
+    }
+}
+
+/// Answers the points beyond the band, and lists the others. There are as many as `out` is long.
+#[inline(always)]
+fn collect<V: Lanes, A: Answer>(map: &VolumeMap, points: &[DVec3; BLOCK], out: &mut [A], near: &mut Near) {
+    let mut hint = map.cells.hint();
+    near.count = 0;
+    let fours = points.as_chunks::<LANES>().0.iter().zip(out.chunks_mut(LANES));
+    for (four, (points, out)) in fours.enumerate() {
+        let located = locate::<V>(&map.grid, points);
+        for (lane, (&point, out)) in points.iter().zip(out).enumerate() {
+            if located.within >> lane & 1 == 0 {
+                *out = beyond(map, point);
+                continue;
+            }
+            match map.cells.place(located.cell(lane), &mut hint) {
+                Found::Band(place) => {
+                    let n = near.count % BLOCK;
+                    near.index[n] = (LANES * four + lane) as u32;
+                    near.place[n] = place;
+                    for axis in 0..3 {
+                        near.f[axis][n] = located.f[axis][lane];
+                        near.points[axis][n] = point[axis];
+                    }
+                    near.count += 1;
+                }
+                Found::Solid => *out = A::deep_inside(map),
+                Found::Fluid => *out = A::outside(map),
+            }
+        }
+    }
+}
+
+/// Beyond the domain.
+fn beyond<A: Answer>(map: &VolumeMap, point: DVec3) -> A {
+    match map.exterior {
+        Exterior::Solid if point.is_finite() => A::deep_inside(map),
+        _ => A::outside(map),
+    }
+}
+
+/// Cells of four points.
+struct Located {
+    /// Bit by bit, whether the point is in the domain; for the others the rest means nothing.
+    within: u32,
+    cell: [[u32; LANES]; 3],
+    /// Place in the cell, 0 to 1 along each axis.
+    f: [[f64; LANES]; 3],
+}
+
+/// As [`Grid::locate`], by fours.
+#[inline(always)]
+fn locate<V: Lanes>(grid: &Grid, points: &[DVec3; LANES]) -> Located {
+    /// The sum of an integer and this has the integer in its low bits.
+    const INTEGERS: f64 = (1u64 << 52) as f64;
+    let mut within = u32::MAX;
+    let mut f = [[0.0; LANES]; 3];
+    let mut cell = [[0u32; LANES]; 3];
+    for axis in 0..3 {
+        let x = V::new([points[0][axis], points[1][axis], points[2][axis], points[3][axis]]);
+        let n = f64::from(grid.resolution[axis]);
+        let u = (x - V::splat(grid.origin[axis])) / V::splat(grid.cell_size[axis]);
+        within &= u.within(V::splat(n));
+        let first = u.floor().min(V::splat(n - 1.0));
+        f[axis] = (u - first).array();
+        let integers = (first + V::splat(INTEGERS)).array();
+        for lane in 0..LANES {
+            cell[axis][lane] = integers[lane].to_bits() as u32;
+        }
+    }
+    Located { within, cell, f }
+}
+
+impl Located {
+    #[inline(always)]
+    fn cell(&self, lane: usize) -> UVec3 {
+        UVec3::new(self.cell[0][lane], self.cell[1][lane], self.cell[2][lane])
+    }
+}
+
+/// The differences of one cell.
+struct Differences {
+    place: Place,
+    numbers: Shared,
+}
+
+impl Differences {
+    fn none() -> Differences {
+        Differences { place: Place::NONE, numbers: Shared([[[0.0; 4]; 4]; 4]) }
+    }
+
+    #[inline(always)]
+    fn load<V: Lanes, S: Storage + ?Sized>(&mut self, map: &VolumeMap, fields: &S, place: Place) {
+        if self.place == place {
+            return;
+        }
+        let starts = map.cells.starts(place);
+        for (cube, numbers) in self.numbers.0.iter_mut().enumerate() {
+            let rows: Rows<V> = differences(rows(fields, &starts, cube));
+            for (row, numbers) in rows.into_iter().zip(numbers) {
+                let [d, v, upper_d, upper_v] = row.array();
+                *numbers = [d, v, upper_d - d, upper_v - v];
+            }
+        }
+        self.place = place;
+    }
+}
+
+/// Each of four points in a cell of its own.
+struct Apart<V>([[Rows<V>; 4]; LANES]);
+
+impl<V: Lanes> Apart<V> {
+    /// All cells before any is needed: their memory is waited for at once.
+    #[inline(always)]
+    fn load<S: Storage + ?Sized>(map: &VolumeMap, fields: &S, [a, b, c, d]: [Place; LANES]) -> Apart<V> {
+        Apart([
+            all_differences(map, fields, a),
+            all_differences(map, fields, b),
+            all_differences(map, fields, c),
+            all_differences(map, fields, d),
+        ])
+    }
+}
+
+#[inline(always)]
+fn all_differences<V: Lanes, S: Storage + ?Sized>(map: &VolumeMap, fields: &S, place: Place) -> [Rows<V>; 4] {
+    let starts = map.cells.starts(place);
+    [
+        differences(rows(fields, &starts, 0)),
+        differences(rows(fields, &starts, 1)),
+        differences(rows(fields, &starts, 2)),
+        differences(rows(fields, &starts, 3)),
+    ]
+}
+
+impl<V: Lanes> Numbers<V> for Apart<V> {
+    #[inline(always)]
+    fn cube(&self, cube: usize) -> Cube<V> {
+        let [a, b, c, d] = &self.0;
+        let mut out = [[V::splat(0.0); 4]; 4];
+        for (row, out) in out.iter_mut().enumerate() {
+            let four = [a[cube][row], b[cube][row], c[cube][row], d[cube][row]];
+            let [lower_d, lower_v, upper_d, upper_v] = V::transpose(four);
+            *out = [lower_d, lower_v, upper_d - lower_d, upper_v - lower_v];
+        }
+        out
+    }
+}
+
+/// The answer for one point.
+#[inline(always)]
+fn one<V: Lanes, S: Storage + ?Sized, A: Answer>(map: &VolumeMap, fields: &S, point: DVec3, out: &mut A) {
+    let Some((cell, f)) = map.grid.cell_and_place(point) else {
+        *out = beyond(map, point);
+        return;
+    };
+    match map.cells.place(cell, &mut map.cells.hint()) {
+        Found::Band(place) => {
+            let mut shared = Differences::none();
+            shared.load::<V, S>(map, fields, place);
+            let lanes = |v: DVec3| [V::splat(v.x), V::splat(v.y), V::splat(v.z)];
+            let evaluated = Evaluated::new(&shared.numbers, lanes(point), lanes(f));
+            A::near(map, &evaluated, &[0], std::slice::from_mut(out));
+        }
+        Found::Solid => *out = A::deep_inside(map),
+        Found::Fluid => *out = A::outside(map),
+    }
+}
+
+#[cfg(test)]
+#[path = "../tests/analytic/mod.rs"]
+mod analytic;
+
+#[cfg(test)]
+mod tests {
+    use super::analytic::{Random, asset, single};
+    use super::*;
+    use volmap_formats::asset::{CellRun, GridSpec};
+
+    #[test]
+    fn wide_vectors_have_the_bits_of_plain_ones() {
+        let grid = GridSpec { origin: [-1.0, -2.0, 0.5], cell_size: [0.3, 0.2, 0.25], resolution: [5, 4, 3] };
+        let band = (0..12).map(|row| CellRun { i: row % 2, j: row % 4, k: row / 4, len: 3 }).collect();
+        let wave = |x: DVec3| (x.x * 5.0 + x.y * 7.0).sin() + x.z * x.z;
+        let double = asset(grid, [band, Vec::new()], wave, |x| 0.01 * wave(x));
+        for asset in [single(&double), double] {
+            let map = VolumeMap::from_asset(&asset).unwrap();
+            let mut random = Random(9);
+            let (low, high) = (map.grid.origin, map.grid.max_corner());
+            let mut points: Vec<DVec3> = (0..4_003).map(|_| random.point(low - 0.1, high + 0.1)).collect();
+            points.sort_by_key(|&x| map.grid.locate(x).map(|at| (at.cell.z, at.cell.y, at.cell.x)));
+            points.extend((0..1_000).map(|_| random.point(low, high)));
+            let (mut wide, mut plain) =
+                (vec![Sample::Outside; points.len()], vec![Sample::Outside; points.len()]);
+            answer_all(&map, &points, &mut wide);
+            All { map: &map, points: &points, out: &mut plain }.run::<Plain>();
+            let near = wide.iter().filter(|sample| sample.near().is_some()).count();
+            assert!((1_000..points.len()).contains(&near), "{near}");
+            let bits = |samples: &[Sample]| format!("{samples:?}");
+            assert_eq!(bits(&wide), bits(&plain));
+            for (&point, &expected) in points.iter().zip(&plain) {
+                let mut alone = Sample::Outside;
+                All { map: &map, points: &[point], out: std::slice::from_mut(&mut alone) }.run::<Plain>();
+                assert_eq!(alone, expected);
+            }
+        }
+    }
+}

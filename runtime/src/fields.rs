@@ -1,0 +1,128 @@
+//! The values at the nodes, and how a cell's are read: all that depends on how they are stored.
+
+use crate::cells::Starts;
+use crate::element::Rows;
+use crate::lanes::Lanes;
+use volmap_formats::asset::Array;
+
+/// Signed distance and volume of each node, side by side.
+#[derive(Clone, Debug)]
+pub(crate) enum Fields {
+    F32(Vec<[f32; 2]>),
+    F64(Vec<[f64; 2]>),
+    Rounded(Multiples),
+}
+
+/// Whole numbers of the two steps.
+#[derive(Clone, Debug)]
+pub(crate) struct Multiples {
+    nodes: Vec<[i16; 2]>,
+    steps: [f64; 2],
+}
+
+impl Fields {
+    /// `None` if the arrays differ in type.
+    pub fn interleave(distance: &Array, volume: &Array) -> Option<Fields> {
+        match (distance, volume) {
+            (Array::F32(d), Array::F32(v)) => {
+                Some(Fields::F32(d.iter().zip(v).map(|(&d, &v)| [d, v]).collect()))
+            }
+            (Array::F64(d), Array::F64(v)) => {
+                Some(Fields::F64(d.iter().zip(v).map(|(&d, &v)| [d, v]).collect()))
+            }
+            (Array::Rounded(d), Array::Rounded(v)) => Some(Fields::Rounded(Multiples {
+                nodes: d.multiples.iter().zip(&v.multiples).map(|(&d, &v)| [d, v]).collect(),
+                steps: [d.step, v.step],
+            })),
+            _ => None,
+        }
+    }
+
+    /// Bytes held in memory.
+    pub fn memory_bytes(&self) -> usize {
+        match self {
+            Fields::F32(nodes) => size_of_val(nodes.as_slice()),
+            Fields::F64(nodes) => size_of_val(nodes.as_slice()),
+            Fields::Rounded(multiples) => size_of_val(multiples.nodes.as_slice()),
+        }
+    }
+}
+
+/// One way to store the values at the nodes.
+pub(crate) trait Storage {
+    /// Distance and volume of two nodes that follow each other.
+    fn two<V: Lanes>(&self, start: u32) -> V;
+    /// Of four.
+    fn four<V: Lanes>(&self, start: u32) -> [V; 2];
+}
+
+impl Storage for [[f32; 2]] {
+    #[inline(always)]
+    fn two<V: Lanes>(&self, start: u32) -> V {
+        let [a, b] = slice(self, start);
+        V::widen([a[0], a[1], b[0], b[1]])
+    }
+
+    #[inline(always)]
+    fn four<V: Lanes>(&self, start: u32) -> [V; 2] {
+        let [a, b, c, d] = slice(self, start);
+        [V::widen([a[0], a[1], b[0], b[1]]), V::widen([c[0], c[1], d[0], d[1]])]
+    }
+}
+
+impl Storage for [[f64; 2]] {
+    #[inline(always)]
+    fn two<V: Lanes>(&self, start: u32) -> V {
+        let [a, b] = slice(self, start);
+        V::new([a[0], a[1], b[0], b[1]])
+    }
+
+    #[inline(always)]
+    fn four<V: Lanes>(&self, start: u32) -> [V; 2] {
+        let [a, b, c, d] = slice(self, start);
+        [V::new([a[0], a[1], b[0], b[1]]), V::new([c[0], c[1], d[0], d[1]])]
+    }
+}
+
+impl Storage for Multiples {
+    #[inline(always)]
+    fn two<V: Lanes>(&self, start: u32) -> V {
+        let [a, b] = slice(&self.nodes, start);
+        self.scaled(*a, *b)
+    }
+
+    #[inline(always)]
+    fn four<V: Lanes>(&self, start: u32) -> [V; 2] {
+        let [a, b, c, d] = slice(&self.nodes, start);
+        [self.scaled(*a, *b), self.scaled(*c, *d)]
+    }
+}
+
+impl Multiples {
+    #[inline(always)]
+    fn scaled<V: Lanes>(&self, a: [i16; 2], b: [i16; 2]) -> V {
+        let [distance, volume] = self.steps;
+        let numbers = V::new([a[0].into(), a[1].into(), b[0].into(), b[1].into()]);
+        numbers * V::new([distance, volume, distance, volume])
+    }
+}
+
+/// In range for every cell: that is what is checked when the map is opened.
+#[inline(always)]
+fn slice<T, const N: usize>(nodes: &[T], start: u32) -> &[T; N] {
+    let start = start as usize;
+    nodes[start..start + N].first_chunk().expect("as long as the slice")
+}
+
+/// The nodes of one of a cell's four cubes.
+#[inline(always)]
+pub(crate) fn rows<V: Lanes, S: Storage + ?Sized>(fields: &S, Starts(at): &Starts, cube: usize) -> Rows<V> {
+    if cube < 2 {
+        let at = &at[4 * cube..4 * cube + 4];
+        [fields.two(at[0]), fields.two(at[1]), fields.two(at[2]), fields.two(at[3])]
+    } else {
+        let at = &at[4 + 2 * cube..6 + 2 * cube];
+        let ([a, b], [c, d]) = (fields.four(at[0]), fields.four(at[1]));
+        [a, b, c, d]
+    }
+}
