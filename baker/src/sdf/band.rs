@@ -91,7 +91,8 @@ impl<D: SignedDistance> Search<'_, D> {
         (distance, known): (f64, Option<KnownDistance>),
         refinements: u32,
     ) -> bool {
-        if distance.abs() <= self.width {
+        let reaches = |known| self.phi.reaches(known, center, half, self.width);
+        if distance.abs() <= self.width || known.as_ref().is_some_and(reaches) {
             return true;
         }
         if distance.abs() - half.length() * (1.0 + 1e-9) > self.width {

@@ -12,6 +12,11 @@ pub trait SignedDistance: Sync {
 
     /// Phi at a point. What is `known` of another point may make it faster, and becomes what is known of this one.
     fn near(&self, point: DVec3, known: &mut Option<KnownDistance>) -> f64;
+
+    /// True if what is known shows that a box (centre, half size) has a point with |Phi| <= width.
+    fn reaches(&self, _known: &KnownDistance, _center: DVec3, _half: DVec3, _width: f64) -> bool {
+        false
+    }
 }
 
 impl<F: Fn(DVec3) -> f64 + Sync> SignedDistance for F {
@@ -40,5 +45,11 @@ impl SignedDistance for BoundaryDistance {
         *known = Some(found);
         let to_mesh = found.signed_distance;
         (if self.invert { -to_mesh } else { to_mesh }) - self.thickness
+    }
+
+    /// The point of the box that is closest to a point of the surface is no further from the surface than from that.
+    fn reaches(&self, known: &KnownDistance, center: DVec3, half: DVec3, width: f64) -> bool {
+        let outside = ((known.surface - center).abs() - half).max(DVec3::ZERO);
+        self.thickness == 0.0 && outside.length() <= width
     }
 }
