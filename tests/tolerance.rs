@@ -26,10 +26,12 @@ fn true_errors(mesh: &str, scale: f64, invert: bool, bake: &Bake) -> [f64; 2] {
     let placement = Placement { scale: [scale; 3], ..Placement::default() };
     let input = load(&path, &InputSettings { placement, ..InputSettings::default() }).unwrap();
     let exact = MeshDistance::new(&input.mesh, SignMethod::Auto, &bake.summary.diagnosis);
-    let mut known = exact.known(DVec3::ZERO);
+    let mut known = None;
     let mut phi = |x: DVec3| {
-        known = exact.known_near(x, &known);
-        if invert { -known.signed_distance } else { known.signed_distance }
+        let mut found = exact.distance_near(x, known.as_ref());
+        let phi = exact.side(&mut found) * found.distance;
+        known = Some(found);
+        if invert { -phi } else { phi }
     };
     let rule = Rule::Ball(9).points();
     let (mut random, mut errors) = (Random(99), Vec::new());

@@ -45,7 +45,7 @@ fn lattice_is_the_oracle_at_every_node() {
             let field = DistanceField::sample(plan.grid, &maps.cells, &maps.nodes, exterior, &phi);
             let points = rule.points();
             let mut worst = 0.0f64;
-            for (number, x) in positions(&maps.nodes, &plan.grid).into_iter().enumerate().step_by(7) {
+            for (number, x) in positions(&maps.nodes, &plan.grid).enumerate().step_by(7) {
                 let expected = oracle::volume(&field, &points, plan.support_radius, x);
                 worst = worst.max((maps.volume[number] - expected).abs());
             }

@@ -141,7 +141,7 @@ pub fn bake(
     clock.lap(stage_name);
     let sign_comparison = settings.check_sign.then(|| {
         on_step(Step::CheckSign);
-        let comparison = compare_signs(&phi.mesh, &positions(&maps.nodes, &plan.grid));
+        let comparison = compare_signs(&phi.mesh, &positions(&maps.nodes, &plan.grid).collect::<Vec<_>>());
         clock.lap("check");
         comparison
     });

@@ -152,11 +152,11 @@ pub fn plan(extent: &Extent, settings: &Settings) -> Result<Plan, Error> {
     let [low, high] = domain(needed, settings)?;
     let grid = grid(low, high, support_radius, settings)?;
     check_precision(&grid)?;
-    check_reach(&grid, support_radius)?;
     check_rounding(&grid, support_radius, settings.precision)?;
     let cut = cut(&grid, needed);
     let cuts = cut[0].max_element().max(cut[1].max_element()) > 0.0;
     let margin = if cuts { margin(&grid, support_radius)? } else { UVec3::ZERO };
+    check_reach(&grid, support_radius)?;
     let estimate = estimate(extent, &grid, margin, band_width, settings);
     if estimate.memory > settings.max_memory {
         return Err(Error::Memory { needed: estimate.memory, allowed: settings.max_memory });

@@ -107,7 +107,7 @@ pub fn fill_clusters<S>(
 }
 
 /// Positions of all nodes, in the order of their numbers; metres.
-pub fn positions(nodes: &Nodes, grid: &Grid) -> Vec<DVec3> {
+pub fn positions<'a>(nodes: &'a Nodes, grid: &'a Grid) -> impl Iterator<Item = DVec3> + 'a {
     let rows = |family: Family| {
         let row = move |(j, k, it): (u32, u32, NodeInterval)| NodeRow {
             family,
@@ -118,5 +118,5 @@ pub fn positions(nodes: &Nodes, grid: &Grid) -> Vec<DVec3> {
         };
         nodes.intervals(family).map(row)
     };
-    Family::ALL.into_iter().flat_map(rows).flat_map(|row| row.positions(grid)).collect()
+    Family::ALL.into_iter().flat_map(rows).flat_map(|row| row.positions(grid))
 }

@@ -16,6 +16,7 @@ pub mod leaks;
 pub mod mesh_distance;
 mod oriented_box;
 pub mod pseudonormal;
+mod sides;
 pub mod sign;
 pub mod winding;
 

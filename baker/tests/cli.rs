@@ -56,7 +56,7 @@ fn bake_info_query() {
         serde_json::from_str(&output(volmap(&folder).args(["info", "duck.h5", "--json"]))).unwrap();
     assert_eq!(json["support_radius"], 0.1);
     assert_eq!(json["grid"]["resolution"], serde_json::json!([20, 20, 20]));
-    assert_eq!(json["quadrature"]["points"], 1008);
+    assert_eq!(json["quadrature"]["points"], 320);
     assert_eq!(json["source"]["triangles"], 19136);
     assert_eq!(json["diagnosis"]["closed"], 1);
 

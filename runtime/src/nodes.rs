@@ -113,6 +113,11 @@ impl Nodes {
         })
     }
 
+    /// Number of the first node of a lattice point, which must have one (panics otherwise).
+    pub fn number(&self, family: Family, i: u32, j: u32, k: u32) -> u32 {
+        self.families[family as usize].number(i, j, k, family.nodes_per_point())
+    }
+
     /// The 12 places from which the nodes of the run's first cell are numbered.
     pub(crate) fn bases(&self, run: CellRun) -> [u32; 12] {
         let at = |family: Family, dy: u32, dz: u32| {

@@ -53,20 +53,22 @@ impl<D: SignedDistance> Search<'_, D> {
         let mut cells = BandCells::default();
         let (corner, opposite) = (self.grid.cell_corner(low), self.grid.cell_corner(high));
         let center = 0.5 * (corner + opposite);
-        let distance = self.phi.near(center, &mut known);
+        let size = self.phi.size_near(center, &mut known);
         // Rounding of the corners must not hide a touching cell.
         let reach = 0.5 * (opposite - corner).length() * (1.0 + 1e-9);
-        let size = (high - low).as_u64vec3().element_product();
-        if distance.abs() - reach > self.width {
-            self.work.add(size);
-            if distance < 0.0 {
+        if size - reach > self.width {
+            self.work.add((high - low).as_u64vec3().element_product());
+            if self.phi.near(center, &mut known) < 0.0 {
                 push_box(low, high, &mut cells.solid);
             }
+        } else if size + reach <= self.width {
+            self.work.add((high - low).as_u64vec3().element_product());
+            push_box(low, high, &mut cells.band);
         } else if high - low == UVec3::ONE {
             self.work.add(1);
-            if self.touches(center, 0.5 * (opposite - corner), (distance, known), REFINEMENTS) {
+            if self.touches(center, 0.5 * (opposite - corner), (size, known), REFINEMENTS) {
                 push_box(low, high, &mut cells.band);
-            } else if distance < 0.0 {
+            } else if self.phi.near(center, &mut known) < 0.0 {
                 push_box(low, high, &mut cells.solid);
             }
         } else {
@@ -83,19 +85,19 @@ impl<D: SignedDistance> Search<'_, D> {
         cells
     }
 
-    /// Whether a box (centre, half size) has a point in the band; `distance` is Phi at the centre.
+    /// Whether a box (centre, half size) has a point in the band; `size` is |Phi| at the centre.
     fn touches(
         &self,
         center: DVec3,
         half: DVec3,
-        (distance, known): (f64, Option<KnownDistance>),
+        (size, known): (f64, Option<KnownDistance>),
         refinements: u32,
     ) -> bool {
         let reaches = |known| self.phi.reaches(known, center, half, self.width);
-        if distance.abs() <= self.width || known.as_ref().is_some_and(reaches) {
+        if size <= self.width || known.as_ref().is_some_and(reaches) {
             return true;
         }
-        if distance.abs() - half.length() * (1.0 + 1e-9) > self.width {
+        if size - half.length() * (1.0 + 1e-9) > self.width {
             return false;
         }
         if refinements == 0 {
@@ -105,8 +107,8 @@ impl<D: SignedDistance> Search<'_, D> {
             let side = |axis: u32| if octant >> axis & 1 == 0 { -0.5 } else { 0.5 };
             let part = center + half * DVec3::new(side(0), side(1), side(2));
             let mut known = known;
-            let distance = self.phi.near(part, &mut known);
-            self.touches(part, 0.5 * half, (distance, known), refinements - 1)
+            let size = self.phi.size_near(part, &mut known);
+            self.touches(part, 0.5 * half, (size, known), refinements - 1)
         })
     }
 }

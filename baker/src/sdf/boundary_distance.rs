@@ -13,6 +13,16 @@ pub trait SignedDistance: Sync {
     /// Phi at a point. What is `known` of another point may make it faster, and becomes what is known of this one.
     fn near(&self, point: DVec3, known: &mut Option<KnownDistance>) -> f64;
 
+    /// Whether signs can be followed from point to point, so that the nodes of a band need few of them.
+    fn has_separate_signs(&self) -> bool {
+        false
+    }
+
+    /// |Phi| at a point, alike, without its sign where that saves work.
+    fn size_near(&self, point: DVec3, known: &mut Option<KnownDistance>) -> f64 {
+        self.near(point, known).abs()
+    }
+
     /// True if what is known shows that a box (centre, half size) has a point with |Phi| <= width.
     fn reaches(&self, _known: &KnownDistance, _center: DVec3, _half: DVec3, _width: f64) -> bool {
         false
@@ -38,13 +48,23 @@ pub struct BoundaryDistance {
 
 impl SignedDistance for BoundaryDistance {
     fn near(&self, point: DVec3, known: &mut Option<KnownDistance>) -> f64 {
-        let found = match known {
-            Some(near) => self.mesh.known_near(point, near),
-            None => self.mesh.known(point),
-        };
+        let mut found = self.mesh.distance_near(point, known.as_ref());
+        let to_mesh = self.mesh.side(&mut found) * found.distance;
         *known = Some(found);
-        let to_mesh = found.signed_distance;
         (if self.invert { -to_mesh } else { to_mesh }) - self.thickness
+    }
+
+    fn has_separate_signs(&self) -> bool {
+        self.thickness == 0.0 && self.mesh.has_integer_winding()
+    }
+
+    fn size_near(&self, point: DVec3, known: &mut Option<KnownDistance>) -> f64 {
+        if self.thickness != 0.0 {
+            return self.near(point, known).abs();
+        }
+        let found = self.mesh.distance_near(point, known.as_ref());
+        *known = Some(found);
+        found.distance
     }
 
     /// The point of the box that is closest to a point of the surface is no further from the surface than from that.

@@ -3,6 +3,7 @@
 use super::band::BandCells;
 use super::boundary_distance::SignedDistance;
 use super::mesh_distance::KnownDistance;
+use super::sides::set_signs;
 use crate::rows::{NodeRow, fill_rows};
 use crate::work::Work;
 use glam::DVec3;
@@ -80,16 +81,24 @@ impl DistanceField {
 
 /// Phi at the nodes of a grid, in the order of their numbers; each counts as work.
 pub fn values(grid: &Grid, nodes: &Nodes, phi: &impl SignedDistance, work: &Work) -> Vec<f64> {
+    let separate = phi.has_separate_signs();
     let fill = |last_row: &mut Option<KnownDistance>, row: NodeRow, out: &mut [f64]| {
         // A row begins near the beginning of the last.
         let mut known = *last_row;
         for (n, (value, point)) in out.iter_mut().zip(row.positions(grid)).enumerate() {
-            *value = phi.near(point, &mut known);
+            *value = match separate {
+                true => phi.size_near(point, &mut known),
+                false => phi.near(point, &mut known),
+            };
             if n == 0 {
                 *last_row = known;
             }
         }
         work.add(out.len() as u64);
     };
-    fill_rows(nodes, || None, fill)
+    let mut values = fill_rows(nodes, || None, fill);
+    if separate {
+        set_signs(grid, nodes, &mut values, phi);
+    }
+    values
 }

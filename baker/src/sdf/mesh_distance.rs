@@ -24,26 +24,17 @@ pub struct MeshDistance {
     balanced: bool,
 }
 
-/// A point where the signed distance is known.
+/// A point where the distance is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KnownDistance {
     /// The point.
     pub point: DVec3,
-    /// Its distance, negative inside.
-    pub signed_distance: f64,
+    /// Its distance, 0 or more.
+    pub distance: f64,
     /// The point of the mesh that is closest to it.
     pub surface: DVec3,
-}
-
-impl KnownDistance {
-    fn new(point: DVec3, closest: &Closest, inside: bool) -> KnownDistance {
-        let distance = closest.distance_squared.sqrt();
-        KnownDistance {
-            point,
-            signed_distance: if inside { -distance } else { distance },
-            surface: closest.point,
-        }
-    }
+    /// Its side, if that was asked for or followed.
+    pub inside: Option<bool>,
 }
 
 impl MeshDistance {
@@ -89,43 +80,44 @@ impl MeshDistance {
 
     /// Distance to the mesh, negative inside.
     pub fn signed_distance(&self, p: DVec3) -> f64 {
-        self.known(p).signed_distance
-    }
-
-    /// Distance, side and closest point.
-    pub fn known(&self, p: DVec3) -> KnownDistance {
-        let closest = self.closest(p);
-        let inside = self.inside(p, &closest);
-        KnownDistance::new(p, &closest, inside)
-    }
-
-    /// `known`, faster where it is known at a point not far away: the mesh is no further than the point of it that
-    /// was closest there; and where the way is shorter than the distance, there is no surface between the points, so
-    /// that a mesh with integer winding numbers has one side there. The result is the same whatever is known.
-    pub fn known_near(&self, p: DVec3, near: &KnownDistance) -> KnownDistance {
-        let closest = self.closest_within(p, p.distance(near.surface));
-        let carries = self.balanced && self.choice.method != SignMethod::Pseudonormal;
-        // The larger of the two distances tells.
-        let clear = near.signed_distance.abs().max(closest.distance_squared.sqrt()) * (1.0 - 1e-9);
-        let same_side = carries && p.distance(near.point) < clear;
-        let inside = if same_side { near.signed_distance < 0.0 } else { self.inside(p, &closest) };
-        KnownDistance::new(p, &closest, inside)
+        let mut known = self.distance_near(p, None);
+        self.side(&mut known) * known.distance
     }
 
     /// -1 inside, 1 outside.
     pub fn sign(&self, p: DVec3) -> f64 {
-        let inside = match self.choice.method {
-            SignMethod::Pseudonormal => self.inside_by_pseudonormal(p, &self.closest(p)),
-            _ => self.inside_by_winding(p),
-        };
-        if inside { -1.0 } else { 1.0 }
+        self.side(&mut self.distance_near(p, None))
     }
 
-    fn inside(&self, p: DVec3, closest: &Closest) -> bool {
-        match self.choice.method {
-            SignMethod::Pseudonormal => self.inside_by_pseudonormal(p, closest),
-            _ => self.inside_by_winding(p),
-        }
+    /// Distance and closest point, faster where they are known at a point not far away: the mesh is no further than
+    /// the point of it that was closest there. Where the way is shorter than the distance, there is no surface between
+    /// the points, so that a mesh with integer winding numbers has one side there. The result is the same whatever is
+    /// known.
+    pub fn distance_near(&self, p: DVec3, near: Option<&KnownDistance>) -> KnownDistance {
+        let bound = near.map_or(f64::INFINITY, |near| p.distance(near.surface));
+        let closest = self.closest_within(p, bound);
+        let distance = closest.distance_squared.sqrt();
+        let carries = self.has_integer_winding();
+        let same_side = |near: &KnownDistance| {
+            // The larger of the two distances tells.
+            p.distance(near.point) < near.distance.max(distance) * (1.0 - 1e-9)
+        };
+        let inside = match self.choice.method {
+            SignMethod::Pseudonormal => Some(self.inside_by_pseudonormal(p, &closest)),
+            _ => near.filter(|near| carries && same_side(near)).and_then(|near| near.inside),
+        };
+        KnownDistance { point: p, distance, surface: closest.point, inside }
+    }
+
+    /// Whether the sign is that of winding numbers which are integers everywhere.
+    pub fn has_integer_winding(&self) -> bool {
+        self.balanced && self.choice.method != SignMethod::Pseudonormal
+    }
+
+    /// -1 inside, 1 outside; now known.
+    pub fn side(&self, known: &mut KnownDistance) -> f64 {
+        let inside = *known.inside.get_or_insert_with(|| self.inside_by_winding(known.point));
+        if inside { -1.0 } else { 1.0 }
     }
 
     /// Side of the surface by the pseudonormal at the closest point; by the winding number where that

@@ -128,22 +128,25 @@ impl<const S: usize> Cells<'_, S> {
 /// Eq. 13 of Bender et al. 2020 in truncated powers.
 #[inline(always)]
 fn integrate<const S: usize>(group: &Group, cells: &Cells<S>) -> Lanes {
-    let (mut outer, mut inner) = (Lanes::default(), Lanes::default());
-    let (mut lines, mut points) = (group.lines.iter(), group.points.as_slice());
-    for &(y, line_count) in &group.planes {
-        let plane = Plane::new(cells, y);
-        for &(z, point_count) in lines.by_ref().take(line_count as usize) {
-            let line = plane.line(z);
-            let (own, rest) = points.split_at(point_count as usize);
-            points = rest;
-            for &[x, weight] in own {
-                let a = line.at(x).clamp_unit();
-                let b = a.above_half();
-                outer = a.mul(a).mul(a).times_plus(weight, outer);
-                inner = b.mul(b).mul(b).times_plus(weight, inner);
+    let mut sums = [Lanes::default(); 2];
+    let mut points = group.points.as_slice();
+    if group.planes.len() == group.lines.len() {
+        // A line a plane: the plane needs not be kept.
+        for (&(y, _), &(z, count)) in group.planes.iter().zip(&group.lines) {
+            let own = points.split_off(..count as usize).unwrap_or_default();
+            Plane::new(cells, y).line(z).sum(own, &mut sums);
+        }
+    } else {
+        let mut lines = group.lines.as_slice();
+        for &(y, count) in &group.planes {
+            let plane = Plane::new(cells, y);
+            for &(z, count) in lines.split_off(..count as usize).unwrap_or_default() {
+                let own = points.split_off(..count as usize).unwrap_or_default();
+                plane.line(z).sum(own, &mut sums);
             }
         }
     }
+    let [outer, inner] = sums;
     outer.scale(2.0).sub(inner.scale(8.0))
 }
 
@@ -195,6 +198,17 @@ impl Plane {
 struct Line([Lanes; 4]);
 
 impl Line {
+    /// Adds the weighted a^3 and (a - 1/2)_+^3 of points on the line.
+    #[inline(always)]
+    fn sum(&self, points: &[[f64; 2]], [outer, inner]: &mut [Lanes; 2]) {
+        for &[x, weight] in points {
+            let a = self.at(x).clamp_unit();
+            let b = a.above_half();
+            *outer = a.mul(a).mul(a).times_plus(weight, *outer);
+            *inner = b.mul(b).mul(b).times_plus(weight, *inner);
+        }
+    }
+
     #[inline(always)]
     fn at(&self, x: f64) -> Lanes {
         let [c0, c1, c2, c3] = self.0;

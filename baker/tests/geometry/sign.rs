@@ -189,12 +189,16 @@ fn known_distances_change_nothing() {
         let distance = with_method(&mesh, SignMethod::Auto);
         let mut random = Random(6);
         let mut point = DVec3::splat(-1.5);
-        let mut known = distance.known(point);
+        let resolved = |mut known| {
+            distance.side(&mut known);
+            known
+        };
+        let mut known = resolved(distance.distance_near(point, None));
         for k in 0..3_000 {
             let step = [0.01, 0.1, 1.0][k % 3];
             let next = random.point(DVec3::splat(-step), DVec3::splat(step)) + point * 0.97;
-            let found = distance.known_near(next, &known);
-            assert_eq!(found, distance.known(next), "{next}");
+            let found = resolved(distance.distance_near(next, Some(&known)));
+            assert_eq!(found, resolved(distance.distance_near(next, None)), "{next}");
             (point, known) = (next, found);
         }
     }

@@ -1,0 +1,61 @@
+//! On which side of the surface the nodes of a band are.
+//!
+//! Two points that are closer to each other than one of them is to the surface have no surface between them: where
+//! winding numbers are integers they have one side. So the sides of nodes are followed along the cells' edges, third by
+//! third, and only one node of each part that is connected so is asked for its winding number: of the many nodes of the
+//! fluid, of the solid, and of the few that lie alone near the surface.
+
+use super::boundary_distance::SignedDistance;
+use crate::mesh::topology::DisjointSets;
+use crate::rows::positions;
+use glam::DVec3;
+use rayon::prelude::*;
+use volmap_runtime::{Family, Grid, Nodes};
+
+/// Gives the distances at the nodes, 0 or more, their signs.
+pub fn set_signs(grid: &Grid, nodes: &Nodes, distances: &mut [f64], phi: &impl SignedDistance) {
+    let (part, count) = connected(grid, nodes, distances).numbered();
+    // The node of a part that is farthest from the surface is the cheapest to ask.
+    let mut farthest = vec![u32::MAX; count];
+    for (node, &part) in part.iter().enumerate() {
+        let best = &mut farthest[part as usize];
+        if *best == u32::MAX || distances[node] > distances[*best as usize] {
+            *best = node as u32;
+        }
+    }
+    let is_asked = |(node, _): &(usize, DVec3)| farthest[part[*node] as usize] as usize == *node;
+    let asked: Vec<(usize, DVec3)> = positions(nodes, grid).enumerate().filter(is_asked).collect();
+    let solid: Vec<bool> = asked.par_iter().map(|(_, point)| phi.at(*point) < 0.0).collect();
+    let mut is_solid = vec![false; count];
+    asked.iter().zip(solid).for_each(|((node, _), solid)| is_solid[part[*node] as usize] = solid);
+    for (distance, part) in distances.iter_mut().zip(part) {
+        if is_solid[part as usize] {
+            *distance = -*distance;
+        }
+    }
+}
+
+/// Nodes joined to their neighbours on the edges of the cells where no surface can lie between.
+fn connected(grid: &Grid, nodes: &Nodes, distances: &[f64]) -> DisjointSets {
+    let mut sets = DisjointSets::new(distances.len());
+    for (family, axis) in [(Family::EdgeX, 0), (Family::EdgeY, 1), (Family::EdgeZ, 2)] {
+        let way = grid.cell_size[axis] / 3.0 * (1.0 + 1e-9);
+        let mut join = |a: u32, b: u32| {
+            if way < distances[a as usize].max(distances[b as usize]) {
+                sets.union(a, b);
+            }
+        };
+        for (j, k, interval) in nodes.intervals(family) {
+            let step = [(1, 0, 0), (0, 1, 0), (0, 0, 1)][axis];
+            let lower = nodes.number(Family::Corner, interval.first, j, k);
+            let upper = nodes.number(Family::Corner, interval.first + step.0, j + step.1, k + step.2);
+            for i in 0..interval.end - interval.first {
+                let third = interval.start + 2 * i;
+                join(lower + i, third);
+                join(third, third + 1);
+                join(third + 1, upper + i);
+            }
+        }
+    }
+    sets
+}
