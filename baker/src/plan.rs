@@ -134,10 +134,11 @@ const SUPPORT_RADII: [f64; 2] = [1e-9, 1e9];
 const MAX_EXTENT: f64 = 1e12;
 /// Part of a coordinate that a cell's edge must exceed: nodes must not fall together by rounding.
 const MIN_CELL: f64 = 1e-10;
-/// Measured with order 30 on one core of an AMD EPYC (Zen 4); half or twice that elsewhere.
-const SECONDS_PER_SAMPLE: f64 = 4e-9;
-const SECONDS_PER_NODE: f64 = 2e-6;
-const BYTES_PER_NODE: u64 = 64;
+/// Measured with `chord8` on one core of an AMD EPYC (Zen 3), on a canyon of 2.5 million cells; half or twice that
+/// elsewhere.
+const SECONDS_PER_SAMPLE: f64 = 1.5e-9;
+const SECONDS_PER_NODE: f64 = 0.9e-6;
+const BYTES_PER_NODE: u64 = 40;
 const BYTES_PER_ROW: u64 = 48;
 
 /// Plans a bake.
