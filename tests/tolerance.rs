@@ -73,8 +73,7 @@ fn the_cells_found_keep_the_tolerance_and_coarser_ones_do_not() {
             let again = baked(mesh, scale, invert, GridChoice::CellSize(found.cell_size));
             assert_eq!(again.asset.volume, bake.asset.volume);
             // Those that failed do fail.
-            let (coarser, _) =
-                *found.tried.iter().filter(|(_, error)| *error > tolerance).next_back().unwrap();
+            let (coarser, _) = *found.tried.iter().rfind(|(_, error)| *error > tolerance).unwrap();
             let [max, _] =
                 true_errors(mesh, scale, invert, &baked(mesh, scale, invert, GridChoice::CellSize(coarser)));
             assert!(max > 0.6 * tolerance, "{mesh}: cells of {coarser} m have an error of {max} only");

@@ -77,7 +77,8 @@ fn axes(blocks: &[TriangleBlock]) -> [DVec3; 3] {
         area += normal.dot(normal).sqrt();
     }
     let (sum, area) = (sum.sum_lanes(), area.reduce_add());
-    if !(sum.length() > FLAT * area) {
+    let faces_one_way = sum.length() > FLAT * area;
+    if !faces_one_way {
         return DVec3::AXES;
     }
     let normal = sum.normalize();

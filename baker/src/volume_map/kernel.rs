@@ -95,8 +95,8 @@ pub fn accumulate<const S: usize>(groups: &[Group], window: &Window<S>, first: i
                 true => Lanes([group.total; LANES]),
                 false => integrate(group, &cells),
             };
-            for lane in 0..LANES {
-                sums[lane] += integrals.0[lane];
+            for (sum, integral) in sums.iter_mut().zip(integrals.0) {
+                *sum += integral;
             }
         }
     }
@@ -311,8 +311,8 @@ pub fn to_monomials<const S: usize>(window: &mut Window<S>) {
 fn monomials<const S: usize>(nodes: &Cells<S>) -> [Lanes; NODES] {
     let mut corner = [Lanes::default(); 8];
     let mut out = [Lanes::default(); NODES];
-    for i in 0..8 {
-        corner[i] = nodes.get(i).scale(1.0 / 64.0);
+    for (i, value) in corner.iter_mut().enumerate() {
+        *value = nodes.get(i).scale(1.0 / 64.0);
     }
     for axis in 0..3 {
         hadamard(&mut corner, axis);
