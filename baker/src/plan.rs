@@ -139,6 +139,8 @@ const MIN_CELL: f64 = 1e-10;
 const SECONDS_PER_SAMPLE: f64 = 1.5e-9;
 const SECONDS_PER_NODE: f64 = 0.9e-6;
 const BYTES_PER_NODE: u64 = 40;
+/// With `--precision f64`.
+const BYTES_PER_DOUBLE_NODE: u64 = 56;
 const BYTES_PER_ROW: u64 = 48;
 
 /// Plans a bake.
@@ -207,7 +209,8 @@ fn finite(option: &'static str, value: f64) -> Result<f64, Error> {
     }
 }
 
-fn support_radius(extent: &Extent, settings: &Settings) -> Result<f64, Error> {
+/// The support radius as given, or by default, metres.
+pub(crate) fn support_radius(extent: &Extent, settings: &Settings) -> Result<f64, Error> {
     let diagonal = (extent.max - extent.min).length();
     let radius = settings.support_radius.unwrap_or_else(|| rounded(diagonal / 20.0));
     if !(radius > 0.0 && radius.is_finite()) {
@@ -327,11 +330,15 @@ fn estimate(extent: &Extent, grid: &Grid, margin: UVec3, width: f64, settings: &
     let band = area * 2.0 * depth + PI * depth * depth * (extent.max - extent.min).length();
     let cells = (band / cell_volume).min(resolution.as_dvec3().element_product());
     let nodes = 8.0 * cells;
+    let bytes_per_node = match settings.precision {
+        Precision::F64 => BYTES_PER_DOUBLE_NODE,
+        _ => BYTES_PER_NODE,
+    };
     let samples = nodes * settings.rule.points().len() as f64;
     let rows = u64::from(resolution.y) * u64::from(resolution.z);
     Estimate {
         cells: cells as u64,
-        memory: nodes as u64 * BYTES_PER_NODE + rows * BYTES_PER_ROW,
+        memory: nodes as u64 * bytes_per_node + rows * BYTES_PER_ROW,
         seconds: samples * SECONDS_PER_SAMPLE + nodes * SECONDS_PER_NODE,
     }
 }

@@ -66,6 +66,13 @@ impl Progress {
     }
 }
 
+/// Nothing is drawn any more when an error is told.
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.finish();
+    }
+}
+
 /// Draws the steps that arrive until there are no more.
 fn draw(steps: &Receiver<Step>) {
     let mut current: Option<(ProgressBar, Option<Work>)> = None;

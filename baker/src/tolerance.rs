@@ -6,7 +6,7 @@
 
 use crate::error::Error;
 use crate::maps::{Maps, Stage, compute_maps};
-use crate::plan::{Extent, GridChoice, Plan, Settings, plan};
+use crate::plan::{Extent, GridChoice, Plan, Precision, Settings, plan, support_radius};
 use crate::sdf::SignedDistance;
 use crate::volume_map::extension::extension;
 use crate::volume_map::quadrature::{Point, Rule};
@@ -14,6 +14,7 @@ use crate::work::Work;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::PI;
+use volmap_formats::asset::{Exterior, Rounded};
 use volmap_formats::mesh::TriangleMesh;
 use volmap_runtime::serendipity::shape;
 use volmap_runtime::{Cell, CellIndex};
@@ -77,19 +78,31 @@ pub fn search<D: SignedDistance>(
     tolerance: f64,
     enter: &mut dyn FnMut(Stage),
 ) -> Result<(Plan, Maps, Found), Error> {
-    let coarse = with_cells(settings, 1.0, problem.extent)?;
+    if let Precision::Rounded(part) = settings.precision
+        && part >= tolerance
+    {
+        let reason =
+            format!("rounding by {} of the ball leaves nothing of --tolerance; round less", percent(part));
+        return Err(Error::setting("--max-rounding", reason));
+    }
+    let radius = support_radius(problem.extent, settings)?;
+    let with_cells = |edge: f64| {
+        let settings = Settings { grid: GridChoice::CellSize(edge), ..settings.clone() };
+        plan(problem.extent, &settings)
+    };
+    let coarse = with_cells(COARSEST * radius)?;
     let work = Work::new(2 * POINTS as u64);
     enter(Stage::Reference(work.clone()));
     let reference = Reference::new(problem, settings, (&coarse, tolerance), &work)?;
     reference.check_rule(problem.phi, settings.rule, tolerance, &work)?;
     let mut attempt = |cell_size: f64| -> Result<(Plan, Maps, MeasuredError), Error> {
-        let plan = with_cells(settings, cell_size / coarse.support_radius, problem.extent)?;
+        let plan = with_cells(cell_size)?;
         let maps = compute_maps(&plan, settings.rule, problem.phi, enter)?;
-        let error = reference.error(&plan, &maps, settings.rule);
+        let error = reference.error(&plan, &maps, settings)?;
         Ok((plan, maps, error))
     };
     let mut tried = Vec::new();
-    let mut cell_size = COARSEST * coarse.support_radius;
+    let mut cell_size = COARSEST * radius;
     let mut best = loop {
         let found = attempt(cell_size).map_err(|error| out_of_reach(error, tolerance, &tried))?;
         tried.push((cell_size, found.2.max));
@@ -111,29 +124,24 @@ pub fn search<D: SignedDistance>(
     Ok((plan, maps, Found { tolerance, cell_size, error, tried, reference: reference.rule }))
 }
 
-/// The plan with cubic cells of this edge in support radii.
-fn with_cells(settings: &Settings, cells: f64, extent: &Extent) -> Result<Plan, Error> {
-    let radius =
-        plan(extent, &Settings { grid: GridChoice::FromRadius, max_memory: u64::MAX, ..settings.clone() })?
-            .support_radius;
-    plan(extent, &Settings { grid: GridChoice::CellSize(cells * radius), ..settings.clone() })
-}
-
+/// What keeps smaller cells from being tried, in words of the tolerance.
 fn out_of_reach(error: Error, tolerance: f64, tried: &[(f64, f64)]) -> Error {
-    match (error, tried.last()) {
-        (Error::Memory { needed, allowed }, Some((cell, max))) => Error::setting(
-            "--tolerance",
-            format!(
-                "{} needs cells smaller than {cell:.4} m, which leave an error of {}; the next would need {} MiB, \
-                 more than --max-memory {} MiB; allow more, or take a larger tolerance",
-                percent(tolerance),
-                percent(*max),
-                needed >> 20,
-                allowed >> 20
-            ),
+    let Some((cell, max)) = tried.last() else { return error };
+    let limit = match error {
+        Error::Memory { needed, allowed } => format!(
+            "the next would need {} MiB, more than --max-memory {} MiB; allow more",
+            needed >> 20,
+            allowed >> 20
         ),
-        (error, _) => error,
-    }
+        Error::Setting { reason, .. } => format!("the next are not possible ({reason}); move the mesh"),
+        other => return other,
+    };
+    let reason = format!(
+        "{} needs cells smaller than {cell:.4} m, which leave an error of {}; {limit}, or take a larger tolerance",
+        percent(tolerance),
+        percent(*max)
+    );
+    Error::setting("--tolerance", reason)
 }
 
 /// A part of the ball, for people.
@@ -189,20 +197,34 @@ impl Reference {
         Err(Error::setting("--tolerance", reason))
     }
 
-    fn error(&self, plan: &Plan, maps: &Maps, rule: Rule) -> MeasuredError {
+    /// Of the map as it will be stored.
+    fn error(&self, plan: &Plan, maps: &Maps, settings: &Settings) -> Result<MeasuredError, Error> {
+        let ball = settings.rule.ball_volume(self.radius);
+        let volume = match settings.precision {
+            Precision::Rounded(part) => {
+                let rounded = Rounded::new(&maps.volume, ball, part);
+                rounded
+                    .map_err(|error| Error::setting("--max-rounding", error.to_string()))?
+                    .values()
+                    .collect()
+            }
+            Precision::F32 | Precision::F64 => maps.volume.clone(),
+        };
         let cells = CellIndex::new(plan.grid.resolution, &maps.cells.band, &maps.cells.solid, &maps.nodes);
         let value = |x: &DVec3| {
-            let Some(at) = plan.grid.locate(*x) else { return 0.0 };
+            let Some(at) = plan.grid.locate(*x) else {
+                return if plan.exterior == Exterior::Solid { ball } else { 0.0 };
+            };
             match cells.find(at.cell) {
                 Cell::Fluid => 0.0,
-                Cell::Solid => rule.ball_volume(self.radius),
+                Cell::Solid => ball,
                 Cell::Band(numbers) => {
                     let terms = shape(at.xi).into_iter().zip(numbers.all());
-                    terms.map(|(n, number)| n * maps.volume[number as usize]).sum()
+                    terms.map(|(n, number)| n * volume[number as usize]).sum()
                 }
             }
         };
-        self.measured(self.points.iter().map(value))
+        Ok(self.measured(self.points.iter().map(value)))
     }
 
     fn measured(&self, volumes: impl Iterator<Item = f64>) -> MeasuredError {
@@ -263,7 +285,13 @@ fn fluid_points<D: SignedDistance>(problem: &Problem<D>, settings: &Settings, pl
             + DVec3::new(across * cos, across * sin, cosine) * (reach * random.unit())
     };
     let candidates: Vec<DVec3> = (0..TRIES * POINTS).map(|_| point()).collect();
-    let (low, high) = (plan.grid.origin, plan.grid.max_corner());
+    // All grids hold the domain that was asked for; they differ in how far they grow beyond it.
+    let (low, high) = match settings.domain {
+        Some(corners) => {
+            (DVec3::from(corners[0]) - settings.padding, DVec3::from(corners[1]) + settings.padding)
+        }
+        None => (plan.grid.origin, plan.grid.max_corner()),
+    };
     let is_near = |x: &&DVec3| {
         let phi = || problem.phi.at(**x);
         x.cmpge(low).all() && x.cmple(high).all() && (0.0..plan.band_width).contains(&phi())

@@ -361,3 +361,39 @@ fn killing_leaves_nothing_half_done() {
     }
     assert!(killed > 10, "only {killed} were killed in time");
 }
+
+/// A cube of 8 m with its lowest x at the given coordinate.
+fn cube_at(x: f64) -> String {
+    let corner = |i: u32| format!("v {} {} {}\n", x + f64::from(8 * (i & 1)), 8 * (i >> 1 & 1), 8 * (i >> 2));
+    let faces = "f 1 3 4\nf 1 4 2\nf 5 6 8\nf 5 8 7\nf 1 2 6\nf 1 6 5\nf 3 7 8\nf 3 8 4\nf 1 5 7\nf 1 7 3\nf 2 4 8\nf 2 8 6\n";
+    (0..8).map(corner).collect::<String>() + faces
+}
+
+/// As in maps of a country: nodes on the surface, and coordinates that round what lies between.
+#[test]
+fn far_from_the_origin_the_sides_are_the_same() {
+    let folder = tempfile::tempdir().unwrap();
+    for x in [0.0, 5e6] {
+        fs::write(folder.path().join("cube.obj"), cube_at(x)).unwrap();
+        output(volmap(&folder).args(["bake", "cube.obj", "--support-radius", "1"]));
+        fs::write(folder.path().join("p.csv"), format!("x,y,z\n{},4,4\n{},4,4\n", x + 0.5, x + 8.5)).unwrap();
+        let table = output(volmap(&folder).args(["query", "cube.h5", "--points", "p.csv"]));
+        let distances: Vec<&str> =
+            table.lines().skip(1).map(|line| line.split(',').nth(3).unwrap()).collect();
+        assert_eq!(distances, ["-0.5", "0.5"], "{table}");
+    }
+}
+
+#[test]
+fn a_tolerance_holds_with_a_cut_domain_and_with_rounding() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("cube.obj"), cube_at(0.0)).unwrap();
+    let bake = ["bake", "cube.obj", "--support-radius", "1", "--tolerance", "5%"];
+    let cut = output(volmap(&folder).args(bake).args(["--domain", "-2,-2,-2,10,10,0.15"]));
+    assert!(cut.contains("tolerance  5.00 % of the ball: largest error"), "{cut}");
+    let rounded = output(volmap(&folder).args(bake).args(["--max-rounding", "1%"]));
+    assert!(rounded.contains("tolerance  5.00 %") && rounded.contains("rounding"), "{rounded}");
+    let refused = volmap(&folder).args(bake).args(["--max-rounding", "5%"]).output().unwrap();
+    let message = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(!refused.status.success() && message.contains("--max-rounding"), "{message}");
+}

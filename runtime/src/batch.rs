@@ -284,7 +284,7 @@ fn locate<V: Lanes>(grid: &Grid, points: &[DVec3; LANES]) -> Located {
     for axis in 0..3 {
         let x = V::new([points[0][axis], points[1][axis], points[2][axis], points[3][axis]]);
         let n = f64::from(grid.resolution[axis]);
-        let u = (x - V::splat(grid.origin[axis])) / V::splat(grid.cell_size[axis]);
+        let u = (x - V::splat(grid.origin[axis])) / V::splat(grid.cell_size[axis]) + V::splat(0.0);
         within &= u.within(V::splat(n));
         let first = u.floor().min(V::splat(n - 1.0));
         f[axis] = (u - first).array();

@@ -43,7 +43,8 @@ impl Grid {
     /// As [`Grid::locate`], with the place in the cell from 0 to 1 along each axis.
     #[inline(always)]
     pub(crate) fn cell_and_place(&self, point: DVec3) -> Option<(UVec3, DVec3)> {
-        let u = (point - self.origin) / self.cell_size;
+        // No -0: the sum makes it 0, so that all ways to find the cell have the same bits.
+        let u = (point - self.origin) / self.cell_size + DVec3::ZERO;
         let n = self.resolution.as_dvec3();
         if !(u.cmpge(DVec3::ZERO).all() && u.cmple(n).all()) {
             return None;

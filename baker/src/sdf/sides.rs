@@ -38,8 +38,10 @@ pub fn set_signs(grid: &Grid, nodes: &Nodes, distances: &mut [f64], phi: &impl S
 /// Nodes joined to their neighbours on the edges of the cells where no surface can lie between.
 fn connected(grid: &Grid, nodes: &Nodes, distances: &[f64]) -> DisjointSets {
     let mut sets = DisjointSets::new(distances.len());
+    let farthest = grid.origin.abs().max(grid.max_corner().abs());
     for (family, axis) in [(Family::EdgeX, 0), (Family::EdgeY, 1), (Family::EdgeZ, 2)] {
-        let way = grid.cell_size[axis] / 3.0 * (1.0 + 1e-9);
+        // As far as the rounded places of two neighbours can be from each other.
+        let way = grid.cell_size[axis] / 3.0 * (1.0 + 1e-9) + 8.0 * f64::EPSILON * farthest[axis];
         let mut join = |a: u32, b: u32| {
             if way < distances[a as usize].max(distances[b as usize]) {
                 sets.union(a, b);

@@ -73,7 +73,10 @@ pub struct Window<const S: usize> {
 
 impl<const S: usize> Default for Window<S> {
     fn default() -> Self {
-        Window { contents: Box::new([Content::Zero as u8; S]), values: Box::new([[0.0; S]; NODES]), width: 0 }
+        // By way of the heap: the stack of a thread may be too small.
+        let values = vec![[0.0; S]; NODES].into_boxed_slice();
+        let values = values.try_into().unwrap_or_else(|_| unreachable!("as many rows as nodes"));
+        Window { contents: Box::new([Content::Zero as u8; S]), values, width: 0 }
     }
 }
 

@@ -23,6 +23,9 @@ pub enum RoundingError {
         /// The smallest fraction of the unit that is possible.
         smallest: f64,
     },
+    /// The largest number is more than 16 bits count even in steps of half the unit.
+    #[error("16 bits are too few for values so large; take smaller cells, or f32")]
+    TooLarge,
     /// The fraction isn't between 0 and 1/2, or a number isn't finite.
     #[error("it isn't between 0 and 50 %, or there are values that aren't finite")]
     NotANumber,
@@ -46,6 +49,9 @@ impl Rounded {
         let largest = values.iter().fold(0.0f64, |largest, x| largest.max(x.abs()));
         if (largest / (unit / parts)).round() > MOST {
             let most_parts = (MOST * unit / largest).floor();
+            if most_parts < 2.0 {
+                return Err(RoundingError::TooLarge);
+            }
             return Err(RoundingError::TooFine { smallest: 0.5 / most_parts });
         }
         let (step, max_error) = (unit / parts, fraction * unit);

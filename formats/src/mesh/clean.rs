@@ -70,16 +70,15 @@ pub fn clean(raw: RawMesh, settings: &CleanSettings) -> Result<(TriangleMesh, Cl
     if triangles.is_empty() {
         return Err(MeshError::AllDegenerate { faces: raw.faces.len(), weld_tolerance: tolerance });
     }
+    if triangles.len() > MAX_TRIANGLES {
+        let problem = format!("{} triangles: at most {MAX_TRIANGLES} fit; split the mesh", triangles.len());
+        return Err(MeshError::TooLarge { problem });
+    }
     drop((target, raw.faces));
     let vertices = raw.positions.len();
     let mut mesh = compact(raw.positions, triangles);
     report.unreferenced = vertices - report.welded - mesh.vertices.len();
     report.duplicates = duplicates::drop_duplicates(&mut mesh);
-    if mesh.triangles.len() > MAX_TRIANGLES {
-        let problem =
-            format!("{} triangles: at most {MAX_TRIANGLES} fit; split the mesh", mesh.triangles.len());
-        return Err(MeshError::TooLarge { problem });
-    }
     let area_free = |t: &&[u32; 3]| has_no_area(t.map(|v| mesh.vertices[v as usize]));
     report.zero_area = mesh.triangles.iter().filter(area_free).count();
     Ok((mesh, report))
