@@ -68,7 +68,8 @@ pub struct BakeArguments {
     /// Edge of the cubic cells, metres [default: r / 2]
     #[arg(long, value_name = "LENGTH", help_heading = "Map")]
     cell_size: Option<f64>,
-    /// Largest error of the volume, as a part of the full ball (1% or 0.01): finds the largest cells that keep it
+    /// Largest error of the volume, as a part of the full ball (1% or 0.01): finds the
+    /// largest cells of those it tries that keep it at 1,000 points of the fluid
     #[arg(long, value_name = "PART", value_parser = tolerance, help_heading = "Map")]
     tolerance: Option<f64>,
     /// xmin,ymin,zmin,xmax,ymax,zmax, metres [default: all within 2 r of the surface]
@@ -118,8 +119,8 @@ pub struct BakeArguments {
     /// Precision of the stored fields
     #[arg(long, value_enum, default_value_t, help_heading = "File")]
     precision: PrecisionName,
-    /// Store 16-bit numbers: no distance changes by more than this part of r, no volume by more than this part of the
-    /// ball (0.01%, or 1e-4). Half as large, loaded too
+    /// Store 16-bit numbers: at the nodes no distance changes by more than this part of r, no volume by more than this
+    /// part of the ball (0.01%, or 1e-4); between them by up to 5.75 times as much. Half as large, loaded too
     #[arg(long, value_name = "PART", value_parser = part, conflicts_with = "precision", help_heading = "File")]
     max_rounding: Option<f64>,
     /// Compression: zstd, or gzip for readers without plugins

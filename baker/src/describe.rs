@@ -199,7 +199,9 @@ fn mesh_warnings(summary: &Summary, out: &mut Vec<String>) {
 }
 
 fn sign_warnings(summary: &Summary, maps: &Maps, out: &mut Vec<String>) {
-    if !maps.distance.iter().any(|phi| *phi < 0.0) {
+    // Sheets have nodes that rounding puts inside.
+    let inside = -1e-9 * summary.plan.support_radius;
+    if !maps.distance.iter().any(|phi| *phi < inside) {
         out.push("no node lies inside: the map has no solid; give sheets a --thickness, and thin parts smaller cells".into());
     }
     let leaks = leaks(summary.plan.grid.resolution, &maps.cells);

@@ -327,7 +327,8 @@ fn estimate(extent: &Extent, grid: &Grid, margin: UVec3, width: f64, settings: &
     // Moved by the thickness, the surface is about as large as its box, or larger.
     let moved = 2.0 * (size.x * size.y + size.y * size.z + size.z * size.x);
     let area = if settings.thickness == 0.0 { extent.area } else { extent.area.max(moved) };
-    let band = area * 2.0 * depth + PI * depth * depth * (extent.max - extent.min).length();
+    let ball = 4.0 / 3.0 * PI * depth.powi(3);
+    let band = area * 2.0 * depth + PI * depth * depth * (extent.max - extent.min).length() + ball;
     let cells = (band / cell_volume).min(resolution.as_dvec3().element_product());
     let nodes = 8.0 * cells;
     let bytes_per_node = match settings.precision {

@@ -50,7 +50,7 @@ impl Display for Summary {
                 [rounding.allowed, rounding.distance, rounding.volume].map(|part| digits(100.0 * part));
             writeln!(
                 f,
-                "rounding   16 bits, at most {allowed} % of r and of the ball; the worst is {distance} % and {volume} %"
+                "rounding   16 bits, at the nodes at most {allowed} % of r and of the ball; the worst is {distance} % and {volume} %"
             )?;
         }
         let stages: Vec<String> =

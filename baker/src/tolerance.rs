@@ -27,6 +27,8 @@ const TRIES: usize = 100;
 const COARSEST: f64 = 2.0;
 /// Cells of one try to the next.
 const STEP: f64 = std::f64::consts::FRAC_1_SQRT_2;
+/// Of cells a third as large the error must be less than this part, or there is no use in going on.
+const STALLED: f64 = 0.8;
 /// Tolerances that can be asked for: parts of the full ball.
 pub const TOLERANCES: [f64; 2] = [5e-4, 0.5];
 /// From this tolerance on the coarser reference is fine enough: its own error is 0.06 % of the ball, the other's 0.02 %.
@@ -109,6 +111,11 @@ pub fn search<D: SignedDistance>(
         if found.2.max <= tolerance {
             break (cell_size, found);
         }
+        if let [.., before, _, _, last] = tried[..]
+            && last.1 > STALLED * before.1
+        {
+            return Err(stalled(tolerance, last));
+        }
         cell_size *= STEP;
     };
     // Between the last failure and the first success there may be coarser cells that do.
@@ -122,6 +129,17 @@ pub fn search<D: SignedDistance>(
     }
     let (cell_size, (plan, maps, error)) = best;
     Ok((plan, maps, Found { tolerance, cell_size, error, tried, reference: reference.rule }))
+}
+
+/// The error doesn't fall as it should.
+fn stalled(tolerance: f64, (cell, max): (f64, f64)) -> Error {
+    let reason = format!(
+        "smaller cells don't bring the error to {}: it stays at {} at cells of {cell:.4} m. Where a mesh is open the sign \
+         jumps, which no cell follows: close it; or take a finer --quadrature or a larger tolerance",
+        percent(tolerance),
+        percent(max)
+    );
+    Error::setting("--tolerance", reason)
 }
 
 /// What keeps smaller cells from being tried, in words of the tolerance.
@@ -190,8 +208,9 @@ impl Reference {
             return Ok(());
         }
         let reason = format!(
-            "the quadrature {rule} itself is wrong by up to {} of the ball; take a finer one, as --quadrature chord12 \
-             or chord16, or a larger tolerance",
+            "the quadrature {rule} itself is wrong by up to {} of the ball; take a finer one (chord12, chord16, chord20), \
+             or a larger tolerance. Where a mesh is open the sign jumps, which no rule follows: close it, or give the \
+             cells by --cell-size",
             percent(error.max)
         );
         Err(Error::setting("--tolerance", reason))
