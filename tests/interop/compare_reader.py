@@ -66,6 +66,10 @@ def compare(volmap, path, folder):
     if not good:
         print("  FAILED: regions, or what is known, differ")
         return False
+    # Where the gradient vanishes but for rounding, readers may differ in direction (SPEC.md, section 7).
+    vanishing = answer["slope"] < 1e-9
+    good &= vanishing.sum() <= len(points) // 100
+    ours[vanishing, 1:7] = theirs[vanishing, 1:7]
     reach = np.nanmax(np.abs(ours[:, 4:7]), initial=0)
     magnitude = [np.abs(asset.phi).max(initial=0), 1, 1, 1, reach, reach, reach, asset.ball_volume]
     differences = np.nanmax(np.abs(ours - theirs), axis=0, initial=0)

@@ -280,14 +280,16 @@ class Map:
         phi = self.phi[stored]
         distance = np.full(len(points), np.nan)
         normal, closest = np.full((2, len(points), 3), np.nan)
+        slope = np.full(len(points), np.nan)
         volume = np.where(region == DEEP_INSIDE, self.ball_volume, 0.0)
         distance[band] = (n * phi).sum(1)
         volume[band] = (n * self.volume[stored]).sum(1)
         gradient = 2 / self.cell_size * np.einsum("na,nad->nd", phi, dn)
         length = np.linalg.norm(gradient, axis=1, keepdims=True)
+        slope[band] = length[:, 0]
         normal[band] = np.divide(gradient, length, out=np.zeros_like(gradient), where=length > 0)
         closest[band] = points[band] - distance[band, None] * normal[band]
-        return {"region": region, "distance": distance, "normal": normal, "closest": closest, "volume": volume}
+        return {"region": region, "distance": distance, "normal": normal, "closest": closest, "volume": volume, "slope": slope}
 
 
 def load(path):
