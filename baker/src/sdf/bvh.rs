@@ -3,8 +3,8 @@
 //! Four children a node, their boxes side by side in single precision, so that one node is four cache
 //! lines and one SIMD test (Dammertz, Hanika and Keller 2008, "Shallow bounding volume hierarchies for
 //! fast SIMD ray tracing of incoherent rays"); the boxes are turned along the surface (`oriented_box`); four triangles a
-//! leaf, side by side in double precision. Boxes are enlarged and the search radius is rounded up by more than they can err, so that single
-//! precision costs a few visits, never a wrong answer.
+//! leaf, side by side in double precision. Boxes are enlarged and the search radius is rounded up by more than they
+//! can err, so that single precision costs a few visits, never a wrong answer.
 
 use glam::DVec3;
 use wide::f32x4;
