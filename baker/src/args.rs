@@ -281,11 +281,7 @@ fn resolution(text: &str) -> Result<Vector<u32>, String> {
 
 fn tolerance(text: &str) -> Result<f64, String> {
     let [least, most] = TOLERANCES;
-    let part = match text.strip_suffix('%') {
-        Some(percent) => percent.trim().parse::<f64>().ok().map(|percent| percent / 100.0),
-        None => text.parse().ok(),
-    };
-    let part = part.filter(|part| (least..=most).contains(part));
+    let part = fraction(text).filter(|part| (least..=most).contains(part));
     part.ok_or_else(|| {
         format!("give {}% to {}%, or the same as a number, as 0.01", 100.0 * least, 100.0 * most)
     })
@@ -297,10 +293,15 @@ fn threads(text: &str) -> Result<usize, String> {
     count.ok_or_else(|| "give a number from 1 to 1024".to_owned())
 }
 
-fn part(text: &str) -> Result<f64, String> {
+/// A part of a whole, as a number or in per cent.
+fn fraction(text: &str) -> Option<f64> {
     let (number, whole) = text.strip_suffix('%').map_or((text, 1.0), |number| (number, 100.0));
-    let part = number.trim().parse::<f64>().ok().map(|x| x / whole);
-    part.filter(|part| *part > 0.0 && *part < 0.5)
+    number.trim().parse::<f64>().ok().map(|x| x / whole)
+}
+
+fn part(text: &str) -> Result<f64, String> {
+    fraction(text)
+        .filter(|part| *part > 0.0 && *part < 0.5)
         .ok_or_else(|| "give a part as 0.01%, or 1e-4, below 50%".into())
 }
 

@@ -94,6 +94,9 @@ impl MeshDistance {
     /// the points, so that a mesh with integer winding numbers has one side there. The result is the same whatever is
     /// known.
     pub fn distance_near(&self, p: DVec3, near: Option<&KnownDistance>) -> KnownDistance {
+        if let Some(same) = near.filter(|near| near.point == p) {
+            return *same;
+        }
         let bound = near.map_or(f64::INFINITY, |near| p.distance(near.surface));
         let closest = self.closest_within(p, bound);
         let distance = closest.distance_squared.sqrt();
