@@ -22,11 +22,25 @@ pub struct NodeRow {
 impl NodeRow {
     /// Positions of the row's nodes, in the order of their numbers.
     pub fn positions(self, grid: &Grid) -> impl Iterator<Item = DVec3> + '_ {
-        (self.first..self.end).flat_map(move |i| {
-            let corner = DVec3::new(i.into(), self.j.into(), self.k.into());
-            (0..self.family.nodes_per_point())
-                .map(move |t| grid.origin + grid.cell_size * (corner + self.family.offset(t)))
-        })
+        let thirds = 0..self.family.nodes_per_point();
+        (self.first..self.end).flat_map(move |i| thirds.clone().map(move |t| self.position(grid, i, t)))
+    }
+
+    /// Position of node `t` of lattice point i.
+    pub fn position(&self, grid: &Grid, i: u32, t: u32) -> DVec3 {
+        let corner = DVec3::new(i.into(), self.j.into(), self.k.into());
+        grid.origin + grid.cell_size * (corner + self.family.offset(t))
+    }
+
+    /// Whether lattice point i is in the row.
+    pub fn holds(&self, i: u32) -> bool {
+        (self.first..self.end).contains(&i)
+    }
+
+    /// The values of lattice point i, which is in the row, of the row's.
+    pub fn nodes_mut<'a>(&self, i: u32, values: &'a mut [f64]) -> &'a mut [f64] {
+        let per_point = self.family.nodes_per_point() as usize;
+        &mut values[(i - self.first) as usize * per_point..][..per_point]
     }
 }
 

@@ -1,9 +1,11 @@
 //! Exact signed distance to a triangle mesh, and its discretisation on a sparse band of cells.
 //!
-//! `bvh` finds the closest triangle, `closest_point` the point and the feature of it, `pseudonormal`
+//! `bvh` finds the closest triangles of points that lie together (`packet`), `closest_point` the point and the feature of it, `pseudonormal`
 //! or `winding` the side, and `mesh_distance` puts them together. `sign` decides which of the two
 //! signs a mesh can bear. `band` finds the cells near the surface, `field` samples their nodes. `brute_force` is the slow twin that the tests compare with.
 
+#[cfg(target_arch = "x86_64")]
+mod avx2;
 pub mod band;
 pub mod boundary_distance;
 pub mod brute_force;
@@ -12,9 +14,11 @@ mod bvh_build;
 pub mod closest_point;
 mod coarse_block;
 pub mod field;
+mod lanes;
 pub mod leaks;
 pub mod mesh_distance;
 mod oriented_box;
+mod packet;
 pub mod pseudonormal;
 mod sides;
 pub mod sign;
@@ -22,5 +26,5 @@ pub mod winding;
 
 pub use boundary_distance::{BoundaryDistance, SignedDistance};
 pub use closest_point::{Closest, Feature};
-pub use mesh_distance::{KnownDistance, MeshDistance};
+pub use mesh_distance::{KnownDistance, MeshDistance, Neighbours};
 pub use sign::{SignComparison, SignMethod, choose_sign, compare_signs, points_near_surface};

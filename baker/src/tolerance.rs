@@ -7,9 +7,9 @@
 use crate::error::Error;
 use crate::maps::{Maps, Stage, compute_maps};
 use crate::plan::{Extent, GridChoice, Plan, Precision, Settings, plan, support_radius};
-use crate::sdf::SignedDistance;
-use crate::volume_map::extension::extension;
-use crate::volume_map::quadrature::{Point, Rule};
+use crate::sdf::{Neighbours, SignedDistance};
+use crate::volume_map::oracle;
+use crate::volume_map::quadrature::{Point, Rule, along_curve};
 use crate::work::Work;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -190,7 +190,7 @@ impl Reference {
         }
         let rule = Rule::Chord(if tolerance >= COARSE_FROM { 12 } else { 20 });
         let radius = plan.support_radius;
-        let volumes = integrals(problem.phi, &rule.points(), radius, &points, work);
+        let volumes = integrals(problem.phi, &along_curve(rule.points()), radius, &points, work);
         Ok(Reference { rule, radius, points, volumes })
     }
 
@@ -202,7 +202,7 @@ impl Reference {
         tolerance: f64,
         work: &Work,
     ) -> Result<(), Error> {
-        let volumes = integrals(phi, &rule.points(), self.radius, &self.points, work);
+        let volumes = integrals(phi, &along_curve(rule.points()), self.radius, &self.points, work);
         let error = self.measured(volumes.into_iter());
         if error.max <= tolerance {
             return Ok(());
@@ -263,15 +263,12 @@ fn integrals(
     points: &[DVec3],
     work: &Work,
 ) -> Vec<f64> {
-    let integral = |x: &DVec3| {
-        let mut known = None;
-        let mut term =
-            |p: &Point| p.weight * extension(phi.near(*x + radius * p.position, &mut known), 1.0 / radius);
-        let sum: f64 = rule.iter().map(&mut term).sum();
+    let integral = |near: &mut Neighbours, x: &DVec3| {
+        let volume = oracle::volume_on_exact_distance(phi, rule, radius, *x, near);
         work.add(1);
-        radius.powi(3) * sum
+        volume
     };
-    points.par_iter().map(integral).collect()
+    points.par_iter().map_init(Neighbours::default, integral).collect()
 }
 
 /// Points with 0 < Phi < 2 r, in any direction from points spread over the surface by area.

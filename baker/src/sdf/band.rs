@@ -5,7 +5,7 @@
 //! that this decides are left whole, the others are split, so the work grows with the band and not with the box.
 
 use super::boundary_distance::SignedDistance;
-use super::mesh_distance::KnownDistance;
+use super::mesh_distance::{KnownDistance, Neighbours};
 use crate::work::Work;
 use glam::{DVec3, UVec3};
 use rayon::prelude::*;
@@ -37,7 +37,7 @@ const REFINEMENTS: u32 = 2;
 /// doesn't change its sign. Cells that are decided count as work.
 pub fn find_band(grid: &Grid, width: f64, phi: &impl SignedDistance, work: &Work) -> BandCells {
     let search = Search { grid, width, phi, work };
-    let found = search.block(UVec3::ZERO, grid.resolution, None);
+    let found = search.block((UVec3::ZERO, grid.resolution), None, &mut Neighbours::default());
     BandCells { band: joined(found.band), solid: joined(found.solid) }
 }
 
@@ -49,35 +49,30 @@ struct Search<'a, D> {
 }
 
 impl<D: SignedDistance> Search<'_, D> {
-    fn block(&self, low: UVec3, high: UVec3, mut known: Option<KnownDistance>) -> BandCells {
+    fn block(
+        &self,
+        (low, high): (UVec3, UVec3),
+        mut known: Option<KnownDistance>,
+        near: &mut Neighbours,
+    ) -> BandCells {
         let mut cells = BandCells::default();
-        let (corner, opposite) = (self.grid.cell_corner(low), self.grid.cell_corner(high));
-        let center = 0.5 * (corner + opposite);
+        let half = 0.5 * (self.grid.cell_corner(high) - self.grid.cell_corner(low));
+        let center = self.center(low, high);
         let size = self.phi.size_near(center, &mut known);
         // Rounding of the corners must not hide a touching cell.
-        let reach = 0.5 * (opposite - corner).length() * (1.0 + 1e-9);
-        if size - reach > self.width {
+        let reach = half.length() * (1.0 + 1e-9);
+        let is_cell = high - low == UVec3::ONE;
+        let beyond = size - reach > self.width;
+        if beyond || is_cell && !self.touches((center, half), (size, known), REFINEMENTS, near) {
             self.work.add((high - low).as_u64vec3().element_product());
             if self.phi.near(center, &mut known) < 0.0 {
                 push_box(low, high, &mut cells.solid);
             }
-        } else if size + reach <= self.width {
+        } else if is_cell || size + reach <= self.width {
             self.work.add((high - low).as_u64vec3().element_product());
             push_box(low, high, &mut cells.band);
-        } else if high - low == UVec3::ONE {
-            self.work.add(1);
-            if self.touches(center, 0.5 * (opposite - corner), (size, known), REFINEMENTS) {
-                push_box(low, high, &mut cells.band);
-            } else if self.phi.near(center, &mut known) < 0.0 {
-                push_box(low, high, &mut cells.solid);
-            }
         } else {
-            let parts = octants(low, high);
-            let found: Vec<BandCells> = match (high - low).max_element() > TASK_CELLS {
-                true => parts.into_par_iter().map(|(low, high)| self.block(low, high, known)).collect(),
-                false => parts.into_iter().map(|(low, high)| self.block(low, high, known)).collect(),
-            };
-            for part in found {
+            for part in self.parts((low, high), known, near) {
                 cells.band.extend(part.band);
                 cells.solid.extend(part.solid);
             }
@@ -85,13 +80,40 @@ impl<D: SignedDistance> Search<'_, D> {
         cells
     }
 
+    /// The cells of the blocks that a block is split into, whose centres are asked together.
+    fn parts(
+        &self,
+        (low, high): (UVec3, UVec3),
+        known: Option<KnownDistance>,
+        near: &mut Neighbours,
+    ) -> Vec<BandCells> {
+        let parts = octants(low, high);
+        let centers: Vec<DVec3> = parts.iter().map(|&(low, high)| self.center(low, high)).collect();
+        near.know(known);
+        self.phi.prepare(&centers, near, false);
+        let parts: Vec<_> = parts.into_iter().zip(near.known).collect();
+        match (high - low).max_element() > TASK_CELLS {
+            true => {
+                let parts = parts.into_par_iter();
+                parts
+                    .map_init(Neighbours::default, |near, (part, known)| self.block(part, known, near))
+                    .collect()
+            }
+            false => parts.into_iter().map(|(part, known)| self.block(part, known, near)).collect(),
+        }
+    }
+
+    fn center(&self, low: UVec3, high: UVec3) -> DVec3 {
+        0.5 * (self.grid.cell_corner(low) + self.grid.cell_corner(high))
+    }
+
     /// Whether a box (centre, half size) has a point in the band; `size` is |Phi| at the centre.
     fn touches(
         &self,
-        center: DVec3,
-        half: DVec3,
+        (center, half): (DVec3, DVec3),
         (size, known): (f64, Option<KnownDistance>),
         refinements: u32,
+        near: &mut Neighbours,
     ) -> bool {
         let reaches = |known| self.phi.reaches(known, center, half, self.width);
         if size <= self.width || known.as_ref().is_some_and(reaches) {
@@ -103,12 +125,16 @@ impl<D: SignedDistance> Search<'_, D> {
         if refinements == 0 {
             return true;
         }
-        (0..8).any(|octant| {
+        let part = |octant: usize| {
             let side = |axis: u32| if octant >> axis & 1 == 0 { -0.5 } else { 0.5 };
-            let part = center + half * DVec3::new(side(0), side(1), side(2));
-            let mut known = known;
+            center + half * DVec3::new(side(0), side(1), side(2))
+        };
+        let parts = [0, 1, 2, 3, 4, 5, 6, 7].map(part);
+        near.know(known);
+        self.phi.prepare(&parts, near, false);
+        parts.into_iter().zip(near.known).any(|(part, mut known)| {
             let size = self.phi.size_near(part, &mut known);
-            self.touches(part, 0.5 * half, (size, known), refinements - 1)
+            self.touches((part, 0.5 * half), (size, known), refinements - 1, near)
         })
     }
 }

@@ -1,6 +1,6 @@
 //! The signed distance that is baked: that to the mesh, inverted for containers, moved by the thickness.
 
-use super::mesh_distance::{KnownDistance, MeshDistance};
+use super::mesh_distance::{KnownDistance, MeshDistance, Neighbours};
 use glam::DVec3;
 
 /// A signed distance that can be sampled.
@@ -22,6 +22,10 @@ pub trait SignedDistance: Sync {
     fn size_near(&self, point: DVec3, known: &mut Option<KnownDistance>) -> f64 {
         self.near(point, known).abs()
     }
+
+    /// Makes known of up to [`Neighbours::MAX`] points, close to each other, what can be found out faster together than
+    /// when each is asked; the signs too if they will be.
+    fn prepare(&self, _points: &[DVec3], _known: &mut Neighbours, _signed: bool) {}
 
     /// True if what is known shows that a box (centre, half size) has a point with |Phi| <= width.
     fn reaches(&self, _known: &KnownDistance, _center: DVec3, _half: DVec3, _width: f64) -> bool {
@@ -65,6 +69,13 @@ impl SignedDistance for BoundaryDistance {
         let found = self.mesh.distance_near(point, known.as_ref());
         *known = Some(found);
         found.distance
+    }
+
+    fn prepare(&self, points: &[DVec3], known: &mut Neighbours, signed: bool) {
+        self.mesh.distances_near(points, known);
+        if signed {
+            self.mesh.sides_near(points.len(), known);
+        }
     }
 
     /// The point of the box that is closest to a point of the surface is no further from the surface than from that.

@@ -1,18 +1,18 @@
 //! Bounding volume hierarchy over triangles, for the closest triangle.
 //!
-//! Four children a node, their boxes side by side in single precision, so that one node is four cache
-//! lines and one SIMD test (Dammertz, Hanika and Keller 2008, "Shallow bounding volume hierarchies for
-//! fast SIMD ray tracing of incoherent rays"); the boxes are turned along the surface (`oriented_box`); four triangles a
-//! leaf, side by side in double precision. Boxes are enlarged and the search radius is rounded up by more than they
-//! can err, so that single precision costs a few visits, never a wrong answer.
+//! Four children a node, each a cache line with a box in single precision that is turned along the surface
+//! (`oriented_box`); up to four triangles a leaf, in single and double precision. Points that lie close together search
+//! together (`packet`). Boxes are enlarged and search radii are rounded up by more than they can err, so that single
+//! precision costs a few visits, never a wrong answer.
 
 use glam::DVec3;
-use wide::f32x4;
 
 use crate::sdf::bvh_build;
 use crate::sdf::closest_point::{Closest, Feature, TriangleBlock, TrianglePoint, closest_point_on_triangle};
 use crate::sdf::coarse_block::CoarseBlock;
-use crate::sdf::oriented_box::Boxes;
+use crate::sdf::lanes::LANES;
+use crate::sdf::oriented_box::OrientedBox;
+use crate::sdf::packet::{Packet, Search};
 
 /// Marks a child that is a leaf; the other bits are the index of its block.
 pub(crate) const LEAF: u32 = 1 << 31;
@@ -21,13 +21,19 @@ pub(crate) const MAX_DEPTH: usize = 40;
 /// Beyond this distance, in sizes of the mesh, boxes in single precision tell nothing any more.
 const FAR: f32 = 1e12;
 
-/// Four children: their boxes, and where they are.
-#[derive(Clone, Debug)]
+/// A part of the tree.
+#[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
-pub(crate) struct Node {
-    pub boxes: Boxes,
+pub(crate) struct Child {
+    pub bounds: OrientedBox,
     /// Index of a node, or of a block with `LEAF`, or `NO_CHILD`.
-    pub child: [u32; 4],
+    pub child: u32,
+}
+
+/// Four parts.
+#[derive(Clone, Debug)]
+pub(crate) struct Node {
+    pub children: [Child; 4],
 }
 
 /// The tree. Its frame is centred on the mesh and scaled to about unit size.
@@ -47,14 +53,6 @@ pub struct Bvh {
 const NOTHING: u32 = u32::MAX;
 const NOTHING_FOUND: Closest =
     Closest { distance_squared: f64::INFINITY, point: DVec3::NAN, triangle: NOTHING, feature: Feature::Face };
-/// Leaves that are kept open at a time.
-const MAX_OPEN: usize = 16;
-
-/// Leaves that may hold the closest triangle: lower bounds of their distances, and their blocks.
-struct OpenLeaves {
-    leaves: [(f32, u32); MAX_OPEN],
-    count: usize,
-}
 
 impl Bvh {
     /// Builds the tree over triangles of finite coordinates, of which there must be at least one.
@@ -65,85 +63,79 @@ impl Bvh {
     /// Point closest to `p`. `upper_bound` is a distance that is known not to be exceeded, such as
     /// a neighbour's distance plus the way from it, or infinity; one that is too small costs time only.
     pub fn closest(&self, p: DVec3, upper_bound: f64) -> Closest {
-        let local = self.frame.local(p);
-        let far = local.iter().any(|x| x.is_nan() || x.abs() > FAR);
-        if far {
-            return self.closest_of_all(p);
-        }
-        let found = self.search(p, local, upper_bound * upper_bound * (1.0 + 1e-9));
-        if found.triangle != NOTHING {
-            return found;
-        }
-        let found = self.search(p, local, f64::INFINITY);
-        match found.triangle {
-            NOTHING => self.closest_of_all(p),
-            _ => found,
-        }
+        self.closest_to_each(&[p], &[upper_bound; LANES], &mut Search::default())[0]
     }
 
-    /// The closest triangle within the bound, if there is one: nearest boxes first, in single precision; then the
-    /// leaves that it leaves open, in double precision.
-    #[inline(always)]
-    fn search(&self, p: DVec3, local: [f32; 3], bound_squared: f64) -> Closest {
-        let mut best = Closest { distance_squared: bound_squared, ..NOTHING_FOUND };
-        let mut open = OpenLeaves { leaves: [(0.0, 0); MAX_OPEN], count: 0 };
-        let mut radius = self.frame.radius(bound_squared, Frame::slack(local));
-        let slack = Frame::slack(local) as f32;
-        let local = local.map(f32x4::splat);
-        // Squared distance to the box in the upper half (floats of one sign order like integers), the
-        // child in the lower: one comparison sorts both, the same way on every machine.
-        let mut stack = [0u64; 3 * MAX_DEPTH + 4];
-        let mut top = 1;
-        while top > 0 {
-            top -= 1;
-            let entry = stack[top];
-            if f32::from_bits((entry >> 32) as u32) > radius * radius {
-                continue;
-            }
-            let child = entry as u32;
-            if child & LEAF != 0 {
-                let block = child & !LEAF;
-                let (lower, upper) = self.coarse[block as usize].distance(&local);
-                if lower <= radius {
-                    radius = if upper + slack < radius { upper + slack } else { radius };
-                    if open.count == MAX_OPEN {
-                        self.close(&mut open, (p, &local), radius, &mut best);
-                    }
-                    open.leaves[open.count] = (lower, block);
-                    open.count += 1;
-                }
-                continue;
-            }
-            let node = &self.nodes[child as usize];
-            let distance = node.boxes.distances_squared(&local);
-            let keys = sorted_keys(distance.to_array(), node.child);
-            let near = distance.simd_le(f32x4::splat(radius * radius)).to_bitmask().count_ones() as usize;
-            for key in keys[..near].iter().rev() {
-                stack[top] = *key;
-                top += 1;
-            }
+    /// The points closest to each of up to [`LANES`] points, of which there must be at least one: `closest` of each,
+    /// faster together the closer they are to each other. Only as many are set.
+    pub(crate) fn closest_to_each(
+        &self,
+        points: &[DVec3],
+        upper_bounds: &[f64; LANES],
+        search: &mut Search,
+    ) -> [Closest; LANES] {
+        let mut best = [NOTHING_FOUND; LANES];
+        for (best, bound) in best.iter_mut().zip(upper_bounds) {
+            best.distance_squared = bound * bound * (1.0 + 1e-9);
         }
-        self.close(&mut open, (p, &local), radius, &mut best);
+        let is_far = |p: &DVec3| self.frame.local(*p).iter().any(|x| x.is_nan() || x.abs() > FAR);
+        if points.iter().any(is_far) {
+            points.iter().zip(&mut best).for_each(|(p, best)| *best = self.closest_of_all(*p));
+            return best;
+        }
+        self.search(points, search, &mut best);
+        for (p, best) in points.iter().zip(&mut best).filter(|(_, best)| best.triangle == NOTHING) {
+            let mut again = [NOTHING_FOUND; LANES];
+            self.search(&[*p], search, &mut again);
+            *best = if again[0].triangle == NOTHING { self.closest_of_all(*p) } else { again[0] };
+        }
         best
     }
 
-    /// Looks at the triangles of the open leaves that may be within the radius, in double precision.
-    fn close(&self, open: &mut OpenLeaves, p: (DVec3, &[f32x4; 3]), radius: f32, best: &mut Closest) {
-        for &(_, block) in open.leaves[..open.count].iter().filter(|leaf| leaf.0 <= radius) {
-            let mut lanes = self.coarse[block as usize].within(p.1, radius);
-            while lanes != 0 {
-                self.visit(block as usize, lanes.trailing_zeros() as usize, p.0, best);
-                lanes &= lanes - 1;
+    /// The closest triangles within the bounds, if there are any.
+    fn search(&self, points: &[DVec3], search: &mut Search, best: &mut [Closest; LANES]) {
+        let mut packet = self.packet(points, best);
+        search.start();
+        while search.go_on(self, &mut packet) {
+            self.close(points, search, best);
+        }
+        self.close(points, search, best);
+    }
+
+    /// The points in the frame of the tree; lanes to spare hold the last.
+    fn packet(&self, points: &[DVec3], best: &[Closest; LANES]) -> Packet {
+        let mut packet = Packet::default();
+        for lane in 0..LANES {
+            let from = lane.min(points.len() - 1);
+            let local = self.frame.local(points[from]);
+            let slack = Frame::slack(local);
+            (0..3).for_each(|axis| packet.points[axis].0[lane] = local[axis]);
+            packet.radius.0[lane] = self.frame.radius(best[from].distance_squared, slack);
+            packet.slack.0[lane] = slack as f32;
+        }
+        packet
+    }
+
+    /// Looks at the triangles of the open leaves that may be the closest, in double precision.
+    fn close(&self, points: &[DVec3], search: &mut Search, best: &mut [Closest; LANES]) {
+        for leaf in search.open.drain(..) {
+            for (place, mut bits) in leaf.candidates.into_iter().enumerate() {
+                // Lanes to spare repeat the last point.
+                bits &= (1 << points.len()) - 1;
+                while bits != 0 {
+                    let lane = bits.trailing_zeros() as usize;
+                    bits &= bits - 1;
+                    self.visit(leaf.block as usize, place, points[lane], &mut best[lane]);
+                }
             }
         }
-        open.count = 0;
     }
 
     /// Takes the point of a triangle if none before was closer.
     #[inline]
-    fn visit(&self, block: usize, lane: usize, p: DVec3, best: &mut Closest) {
-        let corners = self.blocks[block].corners().map(|corner| corner.lane(lane));
-        let triangle = self.ids[block][lane];
+    fn visit(&self, block: usize, place: usize, p: DVec3, best: &mut Closest) {
+        let corners = self.blocks[block].corners().map(|corner| corner.lane(place));
+        let triangle = self.ids[block][place];
         let TrianglePoint { distance_squared, point, feature } = closest_point_on_triangle(p, &corners);
         let closer = distance_squared < best.distance_squared;
         if closer || distance_squared == best.distance_squared && triangle < best.triangle {
@@ -155,7 +147,7 @@ impl Bvh {
     fn closest_of_all(&self, p: DVec3) -> Closest {
         let mut best = NOTHING_FOUND;
         for block in 0..self.blocks.len() {
-            (0..4).for_each(|lane| self.visit(block, lane, p, &mut best));
+            (0..4).for_each(|place| self.visit(block, place, p, &mut best));
         }
         if best.triangle == NOTHING {
             // Nothing is closer than infinity.
@@ -165,18 +157,6 @@ impl Bvh {
         }
         best
     }
-}
-
-/// Keys of the four children, nearest first, by a sorting network.
-#[inline(always)]
-fn sorted_keys(distance: [f32; 4], child: [u32; 4]) -> [u64; 4] {
-    let key = |i: usize| u64::from(distance[i].to_bits()) << 32 | u64::from(child[i]);
-    let [a, b, c, d] = [key(0), key(1), key(2), key(3)];
-    let (a, b) = (a.min(b), a.max(b));
-    let (c, d) = (c.min(d), c.max(d));
-    let (a, c) = (a.min(c), a.max(c));
-    let (b, d) = (b.min(d), b.max(d));
-    [a, b.min(c), b.max(c), d]
 }
 
 /// The tree's frame: a point x of the mesh is at (x - centre) * scale.

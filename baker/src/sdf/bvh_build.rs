@@ -10,10 +10,10 @@ use glam::DVec3;
 use rayon::prelude::*;
 use wide::f32x4;
 
-use crate::sdf::bvh::{Bvh, Frame, LEAF, MAX_DEPTH, Node};
+use crate::sdf::bvh::{Bvh, Child, Frame, LEAF, MAX_DEPTH, Node};
 use crate::sdf::closest_point::TriangleBlock;
 use crate::sdf::coarse_block::CoarseBlock;
-use crate::sdf::oriented_box;
+use crate::sdf::oriented_box::OrientedBox;
 
 const BINS: usize = 16;
 const LEAF_SIZE: usize = 4;
@@ -67,11 +67,18 @@ pub(crate) fn build(triangles: &[[DVec3; 3]]) -> Bvh {
         .collect();
     let (blocks, ids): (Vec<TriangleBlock>, _) =
         leaves.into_par_iter().map(|leaf| block(leaf, triangles)).unzip();
-    let coarse = blocks.par_iter().map(|block| CoarseBlock::new(block, &frame)).collect();
+    let counted = blocks.par_iter().zip(&tree.leaf_sizes);
+    let coarse = counted.map(|(block, &size)| CoarseBlock::new(block, size.into(), &frame)).collect();
     let ranges = block_ranges(&tree.children);
+    let child = |child: u32, (first, end): (u32, u32)| Child {
+        bounds: match child {
+            NO_CHILD => OrientedBox::NONE,
+            _ => OrientedBox::around(&blocks[first as usize..end as usize], &frame),
+        },
+        child,
+    };
     let node = |(children, ranges): (&[u32; 4], &[(u32, u32); 4])| Node {
-        boxes: oriented_box::around(&blocks, ranges, &frame),
-        child: *children,
+        children: [0, 1, 2, 3].map(|slot| child(children[slot], ranges[slot])),
     };
     let nodes = tree.children.par_iter().zip(&ranges).map(node).collect();
     Bvh { nodes, blocks, coarse, ids, ranges, frame }

@@ -1,4 +1,4 @@
-//! Distances to four triangles in single precision, with a bound on their error.
+//! Distances to triangles in single precision, with a bound on their error.
 //!
 //! Most leaves that a search reaches hold nothing closer. Single precision tells so in a fraction of
 //! the time, and only what it can't rule out in the end is looked at in double precision.
@@ -8,10 +8,10 @@
 //! divisions are done in advance.
 
 use glam::DVec3;
-use wide::f32x4;
 
 use crate::sdf::bvh::Frame;
 use crate::sdf::closest_point::TriangleBlock;
+use crate::sdf::lanes::Lanes;
 
 /// Triangles whose height is less than this part of their longest edge are taken as their edges.
 const SLIVER: f64 = 0.03;
@@ -24,121 +24,120 @@ const DISTANCE_ERROR: f32 = 2e-6;
 /// Corners are rounded by half a unit in the last place of 1.
 const CORNER_ERROR: f64 = 2e-7;
 
-/// Four triangles in the frame of the tree.
+/// A triangle in the frame of the tree.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct CoarseTriangle {
+    origin: [f32; 3],
+    axes: [[f32; 3]; 3],
+    /// B on the first axis.
+    b: f32,
+    /// C in the plane.
+    c: [f32; 2],
+    /// One over the squared lengths of BC and AC, 0 for none.
+    inverse_bc: f32,
+    inverse_ac: f32,
+    /// A face is where the second coordinate is at least this: 0, or infinity for a sliver.
+    face_from: f32,
+}
+
+/// Up to four triangles.
 #[derive(Clone, Debug)]
 pub(crate) struct CoarseBlock {
-    origin: [f32x4; 3],
-    axes: [[f32x4; 3]; 3],
-    /// B on the first axis.
-    b: f32x4,
-    /// C in the plane.
-    c: [f32x4; 2],
-    /// One over the squared lengths of BC and AC, 0 for none.
-    inverse_bc: f32x4,
-    inverse_ac: f32x4,
-    /// A face is where the second coordinate is at least this: 0, or infinity for a sliver.
-    face_from: f32x4,
+    triangles: [CoarseTriangle; 4],
+    count: u32,
     /// Bound on the error, other than relative.
     margin: f32,
 }
 
 impl CoarseBlock {
-    pub fn new(block: &TriangleBlock, frame: &Frame) -> CoarseBlock {
-        let zero = f32x4::ZERO;
-        let mut out = CoarseBlock {
-            origin: [zero; 3],
-            axes: [[zero; 3]; 3],
-            b: zero,
-            c: [zero; 2],
-            inverse_bc: zero,
-            inverse_ac: zero,
-            face_from: zero,
-            margin: 0.0,
-        };
-        for lane in 0..4 {
+    /// The first `count` triangles of a block.
+    pub fn new(block: &TriangleBlock, count: usize, frame: &Frame) -> CoarseBlock {
+        let mut out = CoarseBlock { triangles: Default::default(), count: count as u32, margin: 0.0 };
+        for lane in 0..count {
             let corners = block.corners().map(|corner| (corner.lane(lane) - frame.centre) * frame.scale);
-            out.set_lane(lane, corners);
+            let (triangle, margin) = coarse_triangle(corners);
+            out.triangles[lane] = triangle;
+            out.margin = out.margin.max(margin);
         }
         out
     }
 
-    fn set_lane(&mut self, lane: usize, [a, b, c]: [DVec3; 3]) {
-        let (ab, ac, bc) = (b - a, c - a, c - b);
-        let first = ab.try_normalize().or(ac.try_normalize()).unwrap_or(DVec3::X);
-        let across = ac - first * ac.dot(first);
-        // What remains of three corners in a row is rounding, and may point anywhere.
-        let second = match across.length() > 1e-6 * ac.length() {
-            true => (across - first * across.dot(first)).normalize(),
-            false => first.any_orthonormal_vector(),
-        };
-        let axes = [first, second, first.cross(second)];
-        let longest = ab.length().max(ac.length()).max(bc.length());
-        let height = ab.cross(ac).length() / longest.max(f64::MIN_POSITIVE);
-        let is_sliver = height <= SLIVER * longest;
-        let set = |to: &mut f32x4, value: f64| to.as_mut_array()[lane] = value as f32;
-        for i in 0..3 {
-            set(&mut self.origin[i], a[i]);
-            for (axis, direction) in self.axes.iter_mut().zip(axes) {
-                set(&mut axis[i], direction[i]);
-            }
-        }
-        let inverse = |length_squared: f64| if length_squared > 1e-30 { 1.0 / length_squared } else { 0.0 };
-        set(&mut self.b, ab.dot(first));
-        set(&mut self.c[0], ac.dot(first));
-        set(&mut self.c[1], ac.dot(second));
-        set(&mut self.inverse_bc, inverse(bc.length_squared()));
-        set(&mut self.inverse_ac, inverse(ac.length_squared()));
-        set(&mut self.face_from, if is_sliver { f64::INFINITY } else { 0.0 });
-        let margin = EDGE_ERROR * longest + CORNER_ERROR + if is_sliver { height } else { 0.0 };
-        self.margin = self.margin.max(margin as f32);
+    #[inline(always)]
+    pub fn triangles(&self) -> &[CoarseTriangle] {
+        &self.triangles[..self.count as usize]
     }
 
-    /// Bounds on the distance of the closest triangle, lower and upper.
+    /// Bounds, lower and upper, on distances that were computed of its triangles.
     #[inline(always)]
-    pub fn distance(&self, p: &[f32x4; 3]) -> (f32, f32) {
-        let [a, b, c, d] = self.distances_squared(p).to_array();
-        let distance = min(min(a, b), min(c, d)).sqrt();
-        let error = distance * DISTANCE_ERROR + self.margin;
-        (distance - error, distance + error)
+    pub fn bounds<V: Lanes>(&self, distance: V) -> [V; 2] {
+        let error = distance.mul_add(V::splat(DISTANCE_ERROR), V::splat(self.margin));
+        [distance - error, distance + error]
     }
 
-    /// Bits of the triangles that may be within `radius`.
+    /// Squares of the largest distances that may be computed of a triangle within `radius`.
     #[inline(always)]
-    pub fn within(&self, p: &[f32x4; 3], radius: f32) -> u32 {
-        let reach = radius * (1.0 + 2.0 * DISTANCE_ERROR) + self.margin;
-        self.distances_squared(p).simd_le(f32x4::splat(reach * reach)).to_bitmask()
+    pub fn reach_squared<V: Lanes>(&self, radius: V) -> V {
+        let reach = radius.mul_add(V::splat(1.0 + 2.0 * DISTANCE_ERROR), V::splat(self.margin));
+        reach * reach
     }
+}
 
+/// The triangle in its own frame, and a bound on the error of its distances, other than relative.
+fn coarse_triangle([a, b, c]: [DVec3; 3]) -> (CoarseTriangle, f32) {
+    let (ab, ac, bc) = (b - a, c - a, c - b);
+    let first = ab.try_normalize().or(ac.try_normalize()).unwrap_or(DVec3::X);
+    let across = ac - first * ac.dot(first);
+    // What remains of three corners in a row is rounding, and may point anywhere.
+    let second = match across.length() > 1e-6 * ac.length() {
+        true => (across - first * across.dot(first)).normalize(),
+        false => first.any_orthonormal_vector(),
+    };
+    let longest = ab.length().max(ac.length()).max(bc.length());
+    let height = ab.cross(ac).length() / longest.max(f64::MIN_POSITIVE);
+    let is_sliver = height <= SLIVER * longest;
+    let inverse = |squared: f64| if squared > 1e-30 { (1.0 / squared) as f32 } else { 0.0 };
+    let triangle = CoarseTriangle {
+        origin: a.as_vec3().to_array(),
+        axes: [first, second, first.cross(second)].map(|axis| axis.as_vec3().to_array()),
+        b: ab.dot(first) as f32,
+        c: [ac.dot(first) as f32, ac.dot(second) as f32],
+        inverse_bc: inverse(bc.length_squared()),
+        inverse_ac: inverse(ac.length_squared()),
+        face_from: if is_sliver { f32::INFINITY } else { 0.0 },
+    };
+    let margin = EDGE_ERROR * longest + CORNER_ERROR + if is_sliver { height } else { 0.0 };
+    (triangle, margin as f32)
+}
+
+impl CoarseTriangle {
+    /// Squared distances of points.
     #[inline(always)]
-    fn distances_squared(&self, p: &[f32x4; 3]) -> f32x4 {
-        let offset: [f32x4; 3] = [p[0] - self.origin[0], p[1] - self.origin[1], p[2] - self.origin[2]];
-        let along = |axis: &[f32x4; 3]| offset[0] * axis[0] + offset[1] * axis[1] + offset[2] * axis[2];
-        let [x, y, z] = [along(&self.axes[0]), along(&self.axes[1]), along(&self.axes[2])];
-        let [cx, cy] = self.c;
+    pub fn distances_squared<V: Lanes>(&self, p: &[V; 3]) -> V {
+        let (zero, one) = (V::splat(0.0), V::splat(1.0));
+        let [x, y, z] = in_frame(p, &self.origin, &self.axes);
+        let (b, cx, cy) = (V::splat(self.b), V::splat(self.c[0]), V::splat(self.c[1]));
         // From A, B and A again to the edges AB, BC and AC.
-        let ab = x - x.fast_max(f32x4::ZERO).fast_min(self.b);
-        let (qx, ex) = (x - self.b, cx - self.b);
-        let t = clamp_unit((qx * ex + y * cy) * self.inverse_bc);
+        let ab = x - x.max(zero).min(b);
+        let (qx, ex) = (x - b, cx - b);
+        let t = (y.mul_add(cy, qx * ex) * V::splat(self.inverse_bc)).max(zero).min(one);
         let bc = [qx - ex * t, y - cy * t];
-        let t = clamp_unit((x * cx + y * cy) * self.inverse_ac);
+        let t = (y.mul_add(cy, x * cx) * V::splat(self.inverse_ac)).max(zero).min(one);
         let ac = [x - cx * t, y - cy * t];
-        let edges =
-            (ab * ab + y * y).fast_min(bc[0] * bc[0] + bc[1] * bc[1]).fast_min(ac[0] * ac[0] + ac[1] * ac[1]);
-        let left_of_bc = (ex * y - cy * qx).simd_ge(f32x4::ZERO);
-        let right_of_ac = (cx * y - cy * x).simd_le(f32x4::ZERO);
-        let face = y.simd_ge(self.face_from) & left_of_bc & right_of_ac;
-        face.select(f32x4::ZERO, edges) + z * z
+        let squared = |x: V, y: V| x.mul_add(x, y * y);
+        let edges = squared(ab, y).min(squared(bc[0], bc[1])).min(squared(ac[0], ac[1]));
+        // Beyond AB, BC or AC where positive.
+        let beyond = (V::splat(self.face_from) - y).max(cy * qx - ex * y).max(cx * y - cy * x);
+        z.mul_add(z, edges.where_positive(beyond))
     }
 }
 
+/// Coordinates from an origin along axes.
 #[inline(always)]
-fn clamp_unit(t: f32x4) -> f32x4 {
-    t.fast_max(f32x4::ZERO).fast_min(f32x4::ONE)
-}
-
-#[inline(always)]
-fn min(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
+pub(crate) fn in_frame<V: Lanes>(p: &[V; 3], origin: &[f32; 3], axes: &[[f32; 3]; 3]) -> [V; 3] {
+    let [x, y, z] = [p[0] - V::splat(origin[0]), p[1] - V::splat(origin[1]), p[2] - V::splat(origin[2])];
+    let along =
+        |axis: &[f32; 3]| z.mul_add(V::splat(axis[2]), y.mul_add(V::splat(axis[1]), x * V::splat(axis[0])));
+    [along(&axes[0]), along(&axes[1]), along(&axes[2])]
 }
 
 #[cfg(test)]
@@ -146,6 +145,7 @@ mod tests {
     use super::*;
     use crate::sdf::closest_point::closest_point_on_triangle;
     use proptest::prelude::*;
+    use wide::f32x8;
 
     fn point(size: f64) -> impl Strategy<Value = DVec3> {
         prop::array::uniform3(-size..size).prop_map(DVec3::from)
@@ -179,8 +179,11 @@ mod tests {
             // Half of the points lie beside a triangle, where a wrong feature shows most.
             let p = if near == 0 { p } else { t[0][0] + (t[0][1] - t[0][0]) * p.x * 1.2 + p * 10f64.powi(-(3 * near as i32)) };
             let frame = Frame { centre: DVec3::ZERO, scale: 1.0 };
-            let block = CoarseBlock::new(&TriangleBlock::new(&t), &frame);
-            let (lower, upper) = block.distance(&frame.local(p).map(f32x4::splat));
+            let block = CoarseBlock::new(&TriangleBlock::new(&t), 4, &frame);
+            let local = frame.local(p).map(f32x8::splat);
+            let squared = block.triangles().iter().map(|triangle| triangle.distances_squared(&local));
+            let nearest = squared.fold(f32x8::splat(f32::INFINITY), f32x8::fast_min);
+            let [lower, upper] = block.bounds(Lanes::sqrt(nearest)).map(|bound| bound.to_array()[0]);
             let exact = t.iter().map(|t| closest_point_on_triangle(p, t).distance_squared.sqrt());
             let exact = exact.fold(f64::INFINITY, f64::min);
             // The point itself is rounded too.

@@ -2,9 +2,9 @@
 
 use super::band::BandCells;
 use super::boundary_distance::SignedDistance;
-use super::mesh_distance::KnownDistance;
+use super::mesh_distance::Neighbours;
 use super::sides::set_signs;
-use crate::rows::{NodeRow, fill_rows};
+use crate::rows::{RowCluster, fill_clusters};
 use crate::work::Work;
 use glam::DVec3;
 use volmap_formats::asset::Exterior;
@@ -79,24 +79,36 @@ impl DistanceField {
     }
 }
 
-/// Phi at the nodes of a grid, in the order of their numbers; each counts as work.
+/// Lattice points whose nodes are worked on in turn, at most.
+const LONGEST: u32 = 64;
+
+/// Phi at the nodes of a grid, in the order of their numbers; each counts as work. The nodes of a lattice point, and of
+/// the edges that begin there, are asked together.
 pub fn values(grid: &Grid, nodes: &Nodes, phi: &impl SignedDistance, work: &Work) -> Vec<f64> {
     let separate = phi.has_separate_signs();
-    let fill = |last_row: &mut Option<KnownDistance>, row: NodeRow, out: &mut [f64]| {
-        // A row begins near the beginning of the last.
-        let mut known = *last_row;
-        for (n, (value, point)) in out.iter_mut().zip(row.positions(grid)).enumerate() {
-            *value = match separate {
-                true => phi.size_near(point, &mut known),
-                false => phi.near(point, &mut known),
-            };
-            if n == 0 {
-                *last_row = known;
+    let fill = |near: &mut Neighbours, cluster: &mut RowCluster| {
+        for i in cluster.first..cluster.end {
+            let (mut points, mut count) = ([DVec3::ZERO; Neighbours::MAX], 0);
+            for (row, _) in cluster.rows.iter().filter(|(row, _)| row.holds(i)) {
+                for t in 0..row.family.nodes_per_point() {
+                    points[count] = row.position(grid, i, t);
+                    count += 1;
+                }
             }
+            phi.prepare(&points[..count], near, !separate);
+            let mut asked = points[..count].iter().zip(&mut near.known);
+            for (row, own) in cluster.rows.iter_mut().filter(|(row, _)| row.holds(i)) {
+                for (value, (point, known)) in row.nodes_mut(i, own).iter_mut().zip(asked.by_ref()) {
+                    *value = match separate {
+                        true => phi.size_near(*point, known),
+                        false => phi.near(*point, known),
+                    };
+                }
+            }
+            work.add(count as u64);
         }
-        work.add(out.len() as u64);
     };
-    let mut values = fill_rows(nodes, || None, fill);
+    let mut values = fill_clusters(nodes, LONGEST, Neighbours::default, fill);
     if separate {
         set_signs(grid, nodes, &mut values, phi);
     }

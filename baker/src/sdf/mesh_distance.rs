@@ -8,6 +8,8 @@ use crate::mesh::diagnosis::Diagnosis;
 use crate::mesh::topology::Topology;
 use crate::sdf::bvh::Bvh;
 use crate::sdf::closest_point::Closest;
+use crate::sdf::lanes::LANES;
+use crate::sdf::packet::Search;
 use crate::sdf::pseudonormal::Pseudonormals;
 use crate::sdf::sign::{SignChoice, SignMethod, choose_sign};
 use crate::sdf::winding::WindingNumbers;
@@ -22,6 +24,24 @@ pub struct MeshDistance {
     winding: WindingNumbers,
     choice: SignChoice,
     balanced: bool,
+}
+
+/// Points that lie close together, asked together.
+#[derive(Clone, Debug, Default)]
+pub struct Neighbours {
+    /// Of each point, what is known of it or of one near it.
+    pub known: [Option<KnownDistance>; LANES],
+    search: Search,
+}
+
+impl Neighbours {
+    /// So many points at most.
+    pub const MAX: usize = LANES;
+
+    /// The same is known near all points.
+    pub fn know(&mut self, known: Option<KnownDistance>) {
+        self.known = [known; LANES];
+    }
 }
 
 /// A point where the distance is known.
@@ -89,27 +109,58 @@ impl MeshDistance {
         self.side(&mut self.distance_near(p, None))
     }
 
-    /// Distance and closest point, faster where they are known at a point not far away: the mesh is no further than
-    /// the point of it that was closest there. Where the way is shorter than the distance, there is no surface between
+    /// Distance and closest point, faster where they are known at a point not far away. Where the way is shorter than the distance, there is no surface between
     /// the points, so that a mesh with integer winding numbers has one side there. The result is the same whatever is
     /// known.
     pub fn distance_near(&self, p: DVec3, near: Option<&KnownDistance>) -> KnownDistance {
         if let Some(same) = near.filter(|near| near.point == p) {
             return *same;
         }
-        let bound = near.map_or(f64::INFINITY, |near| p.distance(near.surface));
-        let closest = self.closest_within(p, bound);
+        let closest = self.closest_within(p, upper_bound(p, near));
+        self.known(p, &closest, near)
+    }
+
+    /// [`MeshDistance::distance_near`] at up to [`Neighbours::MAX`] points, much faster than one by one where they lie
+    /// close together. What is known of them is known then.
+    pub fn distances_near(&self, points: &[DVec3], near: &mut Neighbours) {
+        let mut bounds = [f64::INFINITY; LANES];
+        for ((bound, p), known) in bounds.iter_mut().zip(points).zip(&near.known) {
+            *bound = upper_bound(*p, known.as_ref());
+        }
+        let closest = self.bvh.closest_to_each(points, &bounds, &mut near.search);
+        for ((p, closest), known) in points.iter().zip(&closest).zip(&mut near.known) {
+            *known = Some(self.known(*p, closest, known.as_ref()));
+        }
+    }
+
+    /// What is known of a point once its closest point is.
+    fn known(&self, p: DVec3, closest: &Closest, near: Option<&KnownDistance>) -> KnownDistance {
         let distance = closest.distance_squared.sqrt();
-        let carries = self.has_integer_winding();
-        let same_side = |near: &KnownDistance| {
-            // The larger of the two distances tells.
-            p.distance(near.point) < near.distance.max(distance) * (1.0 - 1e-9)
-        };
-        let inside = match self.choice.method {
-            SignMethod::Pseudonormal => Some(self.inside_by_pseudonormal(p, &closest)),
-            _ => near.filter(|near| carries && same_side(near)).and_then(|near| near.inside),
-        };
-        KnownDistance { point: p, distance, surface: closest.point, inside }
+        let mut known = KnownDistance { point: p, distance, surface: closest.point, inside: None };
+        match self.choice.method {
+            SignMethod::Pseudonormal => known.inside = Some(self.inside_by_pseudonormal(p, closest)),
+            _ => near.into_iter().for_each(|near| self.follow_side(&mut known, near)),
+        }
+        known
+    }
+
+    /// Where winding numbers are integers, the side is that of a point near by, if the way there is shorter than one of
+    /// the distances: there is no surface on it.
+    fn follow_side(&self, known: &mut KnownDistance, near: &KnownDistance) {
+        let free_way = || known.point.distance(near.point) < near.distance.max(known.distance) * (1.0 - 1e-9);
+        if known.inside.is_none() && near.inside.is_some() && self.has_integer_winding() && free_way() {
+            known.inside = near.inside;
+        }
+    }
+
+    /// Makes the sides of the first `count` points known, whose distances are.
+    pub fn sides_near(&self, count: usize, near: &mut Neighbours) {
+        for lane in 0..count {
+            let (before, rest) = near.known.split_at_mut(lane);
+            let Some(known) = &mut rest[0] else { continue };
+            before.iter().flatten().for_each(|other| self.follow_side(known, other));
+            self.side(known);
+        }
     }
 
     /// Whether the sign is that of winding numbers which are integers everywhere.
@@ -143,4 +194,9 @@ impl MeshDistance {
     pub fn winding_number(&self, p: DVec3) -> f64 {
         WindingNumbers::exact(&self.bvh, p)
     }
+}
+
+/// The mesh is no further than the point of it that is closest to a neighbour.
+fn upper_bound(p: DVec3, near: Option<&KnownDistance>) -> f64 {
+    near.map_or(f64::INFINITY, |near| p.distance(near.surface))
 }

@@ -1,4 +1,4 @@
-//! Boxes turned along the surface, four side by side.
+//! Boxes turned along the surface.
 //!
 //! Gottschalk, Lin and Manocha 1996, "OBBTree: a hierarchical structure for rapid interference detection". A patch of
 //! a surface is thin across and wide along it. A box along its mean normal is as thin as the patch is curved, so a
@@ -6,63 +6,57 @@
 //! be as thick as the patch is wide.
 
 use glam::DVec3;
-use wide::{f32x4, f64x4};
+use wide::f64x4;
 
 use crate::sdf::bvh::Frame;
 use crate::sdf::closest_point::{TriangleBlock, Vec4};
+use crate::sdf::coarse_block::in_frame;
+use crate::sdf::lanes::Lanes;
 
 /// A part is turned along its normal if that much of its area faces it.
 const FLAT: f64 = 0.5;
 /// What rounding can add to a coordinate, over the coordinates' size and the box's.
 const ROUNDING: f64 = 1e-6;
 
-/// Four boxes in the frame of the tree.
-#[derive(Clone, Debug)]
-pub(crate) struct Boxes {
-    centre: [f32x4; 3],
+/// A box in the frame of the tree.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct OrientedBox {
+    centre: [f32; 3],
     /// Unit vectors along the edges.
-    axes: [[f32x4; 3]; 3],
-    /// Half the edges' lengths; minus infinity where there is no box.
-    half: [f32x4; 3],
+    axes: [[f32; 3]; 3],
+    /// Half the edges' lengths.
+    half: [f32; 3],
 }
 
-impl Boxes {
-    /// Squared distances of a point from the boxes, or less by rounding; infinite where there is none.
-    #[inline(always)]
-    pub fn distances_squared(&self, p: &[f32x4; 3]) -> f32x4 {
-        let [x, y, z] = [p[0] - self.centre[0], p[1] - self.centre[1], p[2] - self.centre[2]];
-        let mut sum = f32x4::ZERO;
-        for (axis, half) in self.axes.iter().zip(self.half) {
-            let along = x * axis[0] + y * axis[1] + z * axis[2];
-            let outside = (along.abs() - half).fast_max(f32x4::ZERO);
-            sum += outside * outside;
-        }
-        sum
-    }
-}
+impl OrientedBox {
+    /// No box: infinitely far from everything.
+    pub const NONE: OrientedBox =
+        OrientedBox { centre: [0.0; 3], axes: [[0.0; 3]; 3], half: [f32::NEG_INFINITY; 3] };
 
-/// Boxes around the triangles of up to four ranges of blocks; a range that ends at 0 is none.
-pub(crate) fn around(blocks: &[TriangleBlock], ranges: &[(u32, u32); 4], frame: &Frame) -> Boxes {
-    let mut boxes = Boxes {
-        centre: [f32x4::ZERO; 3],
-        axes: [[f32x4::ZERO; 3]; 3],
-        half: [f32x4::splat(f32::NEG_INFINITY); 3],
-    };
-    for (lane, &(first, end)) in ranges.iter().enumerate().filter(|(_, range)| range.1 > 0) {
-        let part = &blocks[first as usize..end as usize];
-        let axes = axes(part);
-        let (lower, upper) = extent(part, &axes, frame);
+    /// Around the triangles of blocks, of which there is at least one.
+    pub fn around(blocks: &[TriangleBlock], frame: &Frame) -> OrientedBox {
+        let axes = axes(blocks);
+        let (lower, upper) = extent(blocks, &axes, frame);
         let centre: DVec3 = (0..3).map(|i| axes[i] * (0.5 * (lower[i] + upper[i]))).sum();
-        for i in 0..3 {
+        let half = [0, 1, 2].map(|i| {
             let size = (upper[i] - lower[i]).max(centre.abs().max_element());
-            boxes.centre[i].as_mut_array()[lane] = centre[i] as f32;
-            boxes.half[i].as_mut_array()[lane] = (0.5 * (upper[i] - lower[i]) + ROUNDING * size) as f32;
-            for (k, axis) in axes.iter().enumerate() {
-                boxes.axes[k][i].as_mut_array()[lane] = axis[i] as f32;
-            }
+            (0.5 * (upper[i] - lower[i]) + ROUNDING * size) as f32
+        });
+        OrientedBox {
+            centre: centre.as_vec3().to_array(),
+            axes: axes.map(|axis| axis.as_vec3().to_array()),
+            half,
         }
     }
-    boxes
+
+    /// Squared distances of points, or less by rounding.
+    #[inline(always)]
+    pub fn distances_squared<V: Lanes>(&self, p: &[V; 3]) -> V {
+        let outside = |along: V, half: f32| (along.abs() - V::splat(half)).max(V::splat(0.0));
+        let [x, y, z] = in_frame(p, &self.centre, &self.axes);
+        let [x, y, z] = [outside(x, self.half[0]), outside(y, self.half[1]), outside(z, self.half[2])];
+        z.mul_add(z, y.mul_add(y, x * x))
+    }
 }
 
 /// Mean normal and two directions across, the first along the axis that is most across; the axes of space where the

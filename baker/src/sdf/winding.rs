@@ -91,7 +91,7 @@ impl WindingNumbers {
             sum += far.select(part.evaluate(r, distance_squared), f64x4::ZERO);
             let mut near = !far.to_bitmask() & part.used;
             while near != 0 {
-                let child = bvh.nodes[index].child[near.trailing_zeros() as usize];
+                let child = bvh.nodes[index].children[near.trailing_zeros() as usize].child;
                 near &= near - 1;
                 if child & LEAF != 0 {
                     sum += solid_angles(at, &bvh.blocks[(child & !LEAF) as usize]);
@@ -160,7 +160,7 @@ fn part_moments(bvh: &Bvh) -> Vec<[Moments; 4]> {
     let mut all = vec![[Moments::default(); 4]; bvh.nodes.len()];
     for node in (0..bvh.nodes.len()).rev() {
         for slot in (0..4).filter(|&slot| bvh.ranges[node][slot].1 > 0) {
-            let child = bvh.nodes[node].child[slot];
+            let child = bvh.nodes[node].children[slot].child;
             all[node][slot] = match child & LEAF != 0 {
                 true => Moments::of_block(&bvh.blocks[(child & !LEAF) as usize], &bvh.frame),
                 false => Moments::of_parts(&all[child as usize]),

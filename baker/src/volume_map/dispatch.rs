@@ -1,7 +1,7 @@
 //! The kernel compiled for vectors with fused multiply-add, chosen at run time.
 //!
-//! The only unsafe code of the baker: calling a function that was compiled for a processor feature. Each call
-//! stands behind the test for that feature. Without it (x86-64 before 2013) the multiply-adds are library calls: slow,
+//! Calling a function that was compiled for a processor feature is unsafe. Each call stands behind the test for that
+//! feature. Without it (x86-64 before 2013) the multiply-adds are library calls: slow,
 //! and with the same bits. Other processors have them in their baseline, as aarch64 does.
 #![allow(unsafe_code)]
 

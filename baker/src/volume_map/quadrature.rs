@@ -71,6 +71,17 @@ impl Rule {
     }
 }
 
+/// The points along a curve on which neighbours lie close together (Morton 1966), for searches that profit from it.
+pub fn along_curve(mut points: Vec<Point>) -> Vec<Point> {
+    // Bits of the three coordinates in turn, the highest first.
+    let place = |point: &Point| {
+        let cell = ((point.position + 1.0) * 512.0).clamp(DVec3::ZERO, DVec3::splat(1023.0)).as_uvec3();
+        (0..30).rev().fold(0, |code, bit| code << 1 | cell[bit % 3] >> (bit / 3) & 1)
+    };
+    points.sort_by_cached_key(place);
+    points
+}
+
 impl fmt::Display for Rule {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
