@@ -5,8 +5,10 @@
 //! - [`lattice`]: Eq. 12 at all nodes of the grid, in rows;
 //! - `window`: rows of cells laid side by side, those known to be inside or beyond r among them;
 //! - [`kernel`], [`dispatch`]: the inner loops, and their form for the processor at hand;
+//! - [`anywhere`]: Eq. 12 at any point, for error maps;
 //! - [`oracle`]: Eq. 12 at any point, plain and slow, kept to test the other.
 
+pub mod anywhere;
 pub mod dispatch;
 pub mod extension;
 pub mod kernel;

@@ -1,12 +1,13 @@
 //! Rows of cells laid side by side: what gamma* is in each, and the polynomials of s = 1 - Phi / r.
 
 use super::dispatch::{self, Kernel};
-use super::kernel::{Content, Window};
+use super::kernel::{self, Content, LANES, Window};
 use crate::sdf::field::DistanceField;
 use glam::UVec3;
 use rayon::prelude::*;
 use std::ops::Range;
 use volmap_formats::asset::Exterior;
+use volmap_runtime::serendipity::NODES;
 use volmap_runtime::{Cell, NodeNumbers};
 
 /// Rows of cells of a field.
@@ -40,6 +41,14 @@ pub fn contents(field: &DistanceField, radius: f64) -> Vec<u8> {
         out.copy_from_slice(&window.contents[..cells.len()]);
     });
     out
+}
+
+/// The polynomial of s in one cell.
+pub fn monomials_of(numbers: &NodeNumbers, phi: &[f64], inverse_radius: f64) -> [f64; NODES] {
+    let mut window = Window::<LANES> { width: 1, ..Window::default() };
+    window.set_cells(0..1, numbers, phi, inverse_radius);
+    kernel::to_monomials(&mut window);
+    window.values.each_ref().map(|cells| cells[0])
 }
 
 impl FieldWindows<'_> {
