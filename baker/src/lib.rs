@@ -12,6 +12,8 @@ pub mod info;
 pub mod input;
 pub mod maps;
 pub mod mesh;
+pub mod page;
+pub mod picture;
 pub mod plan;
 pub mod points;
 pub mod rows;
