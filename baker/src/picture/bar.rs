@@ -7,8 +7,8 @@ use super::figure::{Colouring, Limits, Pixel, Quantity};
 use super::frame::widest;
 use super::scale::Scale;
 
-/// Decades that the logarithm of a panel's own values shows at most.
-const DECADES: f64 = 1e6;
+/// How far the limits of a logarithm are apart at most, if they are those of the values.
+const SPAN: f64 = 1e4;
 
 /// Colours, their scale and whether values lie beyond its ends.
 pub struct Bar {
@@ -153,5 +153,5 @@ fn log_limits(limits: Limits, pixels: &[Pixel]) -> [f64; 2] {
     }
     let positive = || values(pixels).filter(|x| *x > 0.0);
     let high = positive().fold(0.0, f64::max);
-    [positive().fold(f64::INFINITY, f64::min).max(high / DECADES), high]
+    [positive().fold(f64::INFINITY, f64::min).max(high / SPAN), high]
 }

@@ -87,7 +87,7 @@ pub enum Colouring {
 /// Values at the ends of the colour map.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Limits {
-    /// Those of the panel's values; of a diverging map balanced about zero; of logarithms at most 6 decades.
+    /// Those of the panel's values; of a diverging map balanced about zero; of logarithms at most 4 decades.
     #[default]
     Auto,
     /// Given ones; values beyond have the end's colour, and the bar an arrow there.

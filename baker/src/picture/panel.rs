@@ -58,8 +58,8 @@ impl<'a> Layout<'a> {
         let (text, high) = (style.text, lattice.high());
         let limits = [0, 1].map(|a| [lattice.low[a], high[a]]);
         let axes = [
-            Scale::linear(limits[0], ((width / (4.5 * text)) as usize).min(9)),
-            Scale::linear(limits[1], ((height / (2.5 * text)) as usize).min(9)),
+            Scale::linear(limits[0], ((width / (3.6 * text)) as usize).min(10)),
+            Scale::linear(limits[1], ((height / (2.5 * text)) as usize).min(10)),
         ];
         let upright = height > 9.0 * text;
         let length = if upright { height } else { width };
