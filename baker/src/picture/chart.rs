@@ -96,7 +96,7 @@ impl Chart {
 
     fn draw(&self, width: f64, text: f64) -> (Drawing, [f64; 2]) {
         let height = 0.55 * width;
-        let y = scale(&self.y, self.extent(1), (height / (2.5 * text)) as usize);
+        let y = scale(&self.y, self.with_room(self.extent(1)), (height / (2.5 * text)) as usize);
         let left = left_room(&y, text);
         let right = 1.5 * text;
         let x = scale(&self.x, self.extent(0), ((width - left - right) / (4.5 * text)) as usize);
@@ -143,12 +143,27 @@ impl Chart {
         extent
     }
 
+    /// The vertical extent with zero, if that is near, and some room above.
+    fn with_room(&self, [low, high]: [f64; 2]) -> [f64; 2] {
+        match self.y.log {
+            true => [low / 1.3, high * 1.3],
+            false if low >= 0.0 && low < 0.5 * high => [0.0, 1.05 * high],
+            false => [low, high + 0.05 * (high - low)],
+        }
+    }
+
     fn entries(&self, text: f64) -> Vec<Entry> {
-        let series = self.series.iter().map(|series| {
+        // Bands of one colour lie over each other.
+        let layers = |end: usize, colour: Rgb| {
+            let same = |series: &&Series| matches!(series.data, Data::Band(_)) && series.colour == colour;
+            self.series[..=end].iter().filter(same).count()
+        };
+        let series = self.series.iter().enumerate().map(|(number, series)| {
             let sign = match series.data {
                 Data::Curve(_) => Sign::Line(pen(series.colour, text)),
                 Data::Dashes(_) => Sign::Line(Pen { dashed: true, ..pen(series.colour, text) }),
-                Data::Band(_) | Data::Bars(_) => Sign::Box(Paint::Wash(series.colour)),
+                Data::Band(_) => Sign::Washes(series.colour, layers(number, series.colour)),
+                Data::Bars(_) => Sign::Box(Paint::Wash(series.colour)),
             };
             Entry { sign, name: series.name.clone() }
         });

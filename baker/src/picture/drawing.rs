@@ -75,6 +75,10 @@ impl Rect {
         self.y + self.height
     }
 
+    pub fn holds(&self, [x, y]: [f64; 2]) -> bool {
+        (self.x..=self.right()).contains(&x) && (self.y..=self.bottom()).contains(&y)
+    }
+
     /// A place from the lower left (0, 0) to the upper right (1, 1).
     pub fn at(&self, across: f64, up: f64) -> [f64; 2] {
         [self.x + across * self.width, self.bottom() - up * self.height]

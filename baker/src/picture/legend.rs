@@ -16,6 +16,8 @@ pub enum Sign {
     Line(Pen),
     Ring(Rgb),
     Box(Paint),
+    /// So many washes of a colour over each other.
+    Washes(Rgb, usize),
     /// A box with stripes.
     Striped(Rgb),
 }
@@ -48,6 +50,11 @@ impl Legend {
         ROW * self.text * self.rows.len() as f64
     }
 
+    pub fn width(&self) -> f64 {
+        let end = |(x, entry): &(f64, Entry)| x + 2.2 * self.text + font::width(&entry.name, self.text);
+        self.rows.iter().filter_map(|row| row.last()).map(end).fold(0.0, f64::max)
+    }
+
     pub fn draw(&self, drawing: &mut Drawing, at: [f64; 2]) {
         let text = self.text;
         for (number, row) in self.rows.iter().enumerate() {
@@ -69,6 +76,10 @@ fn draw_sign(drawing: &mut Drawing, sign: Sign, rect: Rect, text: f64) {
         Sign::Ring(colour) => ring(drawing, rect.at(0.5, 0.5), 0.4 * text, colour),
         Sign::Box(paint) => {
             drawing.area(rect.corners(), paint);
+            drawing.frame(rect, thin);
+        }
+        Sign::Washes(colour, layers) => {
+            (0..layers).for_each(|_| drawing.area(rect.corners(), Paint::Wash(colour)));
             drawing.frame(rect, thin);
         }
         Sign::Striped(colour) => {

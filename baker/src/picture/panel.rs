@@ -50,7 +50,7 @@ pub struct Layout<'a> {
 }
 
 impl<'a> Layout<'a> {
-    pub fn new(panel: &'a Panel, style: Style) -> Layout<'a> {
+    pub fn new(panel: &'a Panel, style: Style, entries: Vec<Entry>) -> Layout<'a> {
         let lattice = &panel.raster.lattice;
         let longest = lattice.size[0].max(lattice.size[1]).max(1);
         let scale = ((style.plot / longest as f64).round() as usize).max(1);
@@ -68,14 +68,14 @@ impl<'a> Layout<'a> {
         let top = if panel.title.is_empty() { 0.5 * text } else { 1.7 * text };
         let plot = Rect { x: left_room(&axes[1], text).ceil(), y: top.ceil(), width, height };
         let right = if upright { bar.as_ref().map_or(0.0, Bar::depth) } else { 0.0 };
-        let legend = Legend::new(entries(panel, text), width + right, text);
+        let legend = Legend::new(entries, width + right, text);
         Layout { panel, style, scale, plot, axes, bar, upright, legend }
     }
 
     /// Width of all.
     pub fn width(&self) -> f64 {
         let beside = self.bar.as_ref().filter(|_| self.upright).map_or(0.5 * self.style.text, Bar::depth);
-        self.plot.right() + beside
+        (self.plot.right() + beside).max(self.plot.x + self.legend.width())
     }
 
     /// Height of all.
@@ -94,8 +94,12 @@ impl<'a> Layout<'a> {
         let text = self.style.text;
         let plot = Rect { x: left + self.plot.x, y: top + self.plot.y, ..self.plot };
         let [width, height] = self.panel.raster.lattice.size;
+        let colours: Vec<Rgb> = (0..width * height).map(|at| self.colour(at)).collect();
+        let period = (0.62 * text).round().max(4.0) as usize;
         canvas.image([plot.x, plot.y], [self.scale * width, self.scale * height], |x, y| {
-            self.colour([x / self.scale, height - 1 - y / self.scale], x + y)
+            let colour = colours[(height - 1 - y / self.scale) * width + x / self.scale];
+            // Stripes, as grey alone could be taken for a value.
+            if colour == SOLID && (x + y) % period < period / 5 { WHITE } else { colour }
         });
         let mut drawing = Drawing::default();
         self.draw_lines(&mut drawing, plot);
@@ -113,20 +117,16 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// Colour of a pixel of the values; `stripe` counts along the diagonal.
-    fn colour(&self, [i, j]: [usize; 2], stripe: usize) -> Rgb {
-        let raster = &self.panel.raster;
-        let pixel = raster.pixels.get(j * raster.lattice.size[0] + i).copied().unwrap_or(Pixel::Unknown);
+    /// Colour of one of the values.
+    fn colour(&self, at: usize) -> Rgb {
+        let pixel = self.panel.raster.pixels.get(at).copied().unwrap_or(Pixel::Unknown);
         match (pixel, &self.panel.colouring, &self.bar) {
             (Pixel::Value(x), _, Some(bar)) if !x.is_nan() => bar.map.at(bar.scale.place(x)),
             (Pixel::Value(x), Colouring::Categories(all), _) if x >= 0.0 => {
                 all.get(x as usize).map_or(WHITE, |category| category.colour)
             }
             (Pixel::Fluid, ..) => FLUID,
-            (Pixel::Solid, ..) => {
-                let period = (0.62 * self.style.text).round().max(4.0) as usize;
-                if stripe % period < period / 5 { WHITE } else { SOLID }
-            }
+            (Pixel::Solid, ..) => SOLID,
             _ => WHITE,
         }
     }
@@ -148,7 +148,10 @@ impl<'a> Layout<'a> {
             }
         }
         for marker in &self.panel.markers {
-            ring(drawing, place(&marker.at), 0.5 * self.style.text, marker.colour);
+            let at = place(&marker.at);
+            if plot.holds(at) {
+                ring(drawing, at, 0.5 * self.style.text, marker.colour);
+            }
         }
     }
 }
@@ -159,7 +162,7 @@ fn pen(line: &Line, text: f64) -> Pen {
 }
 
 /// What the legend explains: categories and regions that there are, curves and markers with a name.
-fn entries(panel: &Panel, text: f64) -> Vec<Entry> {
+pub fn entries(panel: &Panel, text: f64) -> Vec<Entry> {
     let mut entries = Vec::new();
     let mut add = |sign: Sign, name: &str| entries.push(Entry { sign, name: name.to_owned() });
     let pixels = &panel.raster.pixels;

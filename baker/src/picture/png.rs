@@ -21,7 +21,7 @@ pub fn encode(width: u32, height: u32, rgb: &[u8]) -> Vec<u8> {
     header.extend([8, 2, 0, 0, 0]);
     chunk(&mut out, b"IHDR", &header);
     chunk(&mut out, b"pHYs", &[&DENSITY.to_be_bytes()[..], &DENSITY.to_be_bytes(), &[1]].concat());
-    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::new(7));
+    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::new(6));
     let mut above = vec![0; row];
     for line in rgb.chunks(row.max(1)) {
         encoder.write_all(&filtered(line, &above)).expect("a vector takes all");

@@ -18,7 +18,11 @@ impl Scale {
     /// In proportion, with at most `most` ticks (at least 2).
     pub fn linear(limits: [f64; 2], most: usize) -> Scale {
         let limits = widened(limits);
-        let (ticks, exponent) = linear_ticks(limits, most.max(2));
+        let ticks_of = |most: usize| linear_ticks(limits, most);
+        let enough = |found: &(Vec<(f64, String)>, i32)| found.0.len() > 1;
+        // Two ticks are needed to read a scale, even where there is little room.
+        let (ticks, exponent) =
+            (most.max(2)..=most.max(2) + 9).map(ticks_of).find(enough).unwrap_or_else(|| ticks_of(20));
         Scale { limits, log: false, ticks, exponent }
     }
 
