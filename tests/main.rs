@@ -10,3 +10,5 @@ mod volume;
 mod interop_asset;
 #[cfg(feature = "interop")]
 mod interop_meshes;
+#[cfg(feature = "interop")]
+mod interop_page;

@@ -1,5 +1,7 @@
 //! The command line: raw arguments, then validated options.
 
+pub mod slice;
+
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -43,6 +45,8 @@ pub enum Command {
         #[arg(long)]
         json: bool,
     },
+    /// Draw a map on a plane
+    Slice(slice::SliceArguments),
 }
 
 #[derive(Debug, Args)]

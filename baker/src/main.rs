@@ -4,17 +4,18 @@ mod args;
 mod progress;
 
 use anyhow::{Context, Result, bail};
+use args::slice::SliceArguments;
 use args::{Arguments, BakeArguments, Command};
 use clap::Parser;
 use progress::Progress;
 use std::io::{self, BufWriter, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 use volmap_baker::bake::bake;
 use volmap_baker::summary::bytes;
-use volmap_baker::{info, input, points};
+use volmap_baker::{info, input, points, provenance, slice};
 use volmap_formats::asset;
 use volmap_runtime::VolumeMap;
 
@@ -35,6 +36,7 @@ fn run(command: Command) -> Result<()> {
         Command::Bake(arguments) => run_bake(&arguments),
         Command::Info { asset, json } => run_info(&asset, json),
         Command::Query { asset, points, json } => run_query(&asset, &points, json),
+        Command::Slice(arguments) => run_slice(&arguments),
     }
 }
 
@@ -116,6 +118,34 @@ fn run_query(path: &Path, table: &Path, json: bool) -> Result<()> {
         false => points::query_csv(&map, points, &mut out).with_context(name)?,
     }
     Ok(out.flush()?)
+}
+
+fn run_slice(arguments: &SliceArguments) -> Result<()> {
+    let sources: Vec<&PathBuf> = [&arguments.asset].into_iter().chain(&arguments.mesh).collect();
+    let targets: Vec<&PathBuf> = [&arguments.output].into_iter().chain(&arguments.csv).collect();
+    for target in &targets {
+        if let Some(source) = sources.iter().find(|source| is_same_file(source, target)) {
+            bail!("{}: would overwrite {}; name another file", target.display(), source.display());
+        }
+        asset::check_target(target)?;
+    }
+    let content = asset::read(&arguments.asset)?;
+    let input = match &arguments.mesh {
+        Some(path) => Some(input::load(path, &provenance::input_settings(&content)?)?),
+        None => None,
+    };
+    let warning = input.as_ref().and_then(|input| provenance::other_mesh(&content, &input.source));
+    warning.iter().for_each(|warning| eprintln!("warning: {warning}"));
+    let map = VolumeMap::from_asset(&content)?;
+    let mesh = input.as_ref().map(|input| slice::NamedMesh { mesh: &input.mesh, name: &input.source.file });
+    let slice = slice::slice(&map, &arguments.settings(), mesh)?;
+    asset::publish(&arguments.output, &slice.figure.to_png())?;
+    if let Some(path) = &arguments.csv {
+        let mut table = Vec::new();
+        slice::write_csv(&slice.raster, &mut table)?;
+        asset::publish(path, &table)?;
+    }
+    Ok(())
 }
 
 fn is_same_file(a: &Path, b: &Path) -> bool {

@@ -124,6 +124,15 @@ pub fn check_target(path: &Path) -> Result<(), AssetError> {
     publish::check_target(path).map_err(|error| AssetError::Io(error).in_file(path))
 }
 
+/// Makes a file of these bytes; it appears whole or not at all, as assets do.
+///
+/// # Errors
+/// A folder that can't be written to. An existing file at `path` stays as it was.
+#[cfg(feature = "write")]
+pub fn publish(path: &Path, bytes: &[u8]) -> Result<(), AssetError> {
+    publish::publish(bytes, path).map_err(|error| AssetError::Io(error).in_file(path))
+}
+
 /// Writes an asset: to a scratch file in the system's temporary folder, read back and compared; then the file at
 /// `path` appears whole.
 /// The bytes are a function of the asset and the compression alone.

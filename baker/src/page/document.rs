@@ -1,0 +1,158 @@
+//! What a page says.
+
+use crate::picture::scale::number;
+
+/// A page.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Page {
+    /// Name in the head and in the browser.
+    pub title: String,
+    /// A line below the title; may be empty.
+    pub subtitle: String,
+    /// The answer, before all else.
+    pub verdict: Verdict,
+    /// Sections.
+    pub sections: Vec<Section>,
+    /// Last line: program and version; may be empty.
+    pub footer: String,
+}
+
+/// The answer of the page.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Verdict {
+    /// Good or bad.
+    pub outcome: Outcome,
+    /// In a sentence.
+    pub text: String,
+    /// A few numbers that a reader looks for first: name, number with unit.
+    pub figures: Vec<(String, String)>,
+}
+
+/// Good or bad.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Outcome {
+    /// What was asked for holds.
+    Pass,
+    /// It doesn't.
+    Fail,
+    /// Nothing was asked for.
+    #[default]
+    None,
+}
+
+/// A part with a heading.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Section {
+    /// Heading.
+    pub title: String,
+    /// Content.
+    pub blocks: Vec<Block>,
+}
+
+/// A piece of content.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Block {
+    /// A paragraph.
+    Paragraph(String),
+    /// A paragraph that must not be missed.
+    Warning(String),
+    /// A list.
+    List(Vec<String>),
+    /// Names and values.
+    Parameters(Vec<Parameter>),
+    /// A table that a click on its head sorts.
+    Table(Table),
+    /// A picture.
+    Image(Image),
+    /// A chart as an `svg` element (of [`crate::picture::Chart::to_svg`], which is taken as it is) and its caption.
+    Chart(String, String),
+    /// Blocks behind a line that opens them; open in print.
+    Details(String, Vec<Block>),
+}
+
+/// A name, its value and what it means.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Parameter {
+    /// Name.
+    pub name: String,
+    /// Value with unit.
+    pub value: String,
+    /// What it means; may be empty.
+    pub note: String,
+}
+
+/// A table.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Table {
+    /// Above the table; may be empty.
+    pub caption: String,
+    /// Heads.
+    pub columns: Vec<Column>,
+    /// Rows, each with a cell a column.
+    pub rows: Vec<Vec<Cell>>,
+}
+
+/// Head of a column.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Column {
+    /// Name, with unit.
+    pub name: String,
+    /// Numbers are written to the right and sorted by size.
+    pub numeric: bool,
+}
+
+/// A cell.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Cell {
+    /// What is shown.
+    pub text: String,
+    /// The number that it is sorted by, if it is one.
+    pub value: Option<f64>,
+}
+
+/// A PNG picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Image {
+    /// The file's bytes.
+    pub png: Vec<u8>,
+    /// What is seen, for who can't see it.
+    pub alt: String,
+    /// Below the picture; may be empty.
+    pub caption: String,
+}
+
+impl Parameter {
+    /// A parameter without a note.
+    pub fn new(name: impl Into<String>, value: impl Into<String>) -> Parameter {
+        Parameter { name: name.into(), value: value.into(), note: String::new() }
+    }
+}
+
+impl Column {
+    /// A column of text.
+    pub fn text(name: impl Into<String>) -> Column {
+        Column { name: name.into(), numeric: false }
+    }
+
+    /// A column of numbers.
+    pub fn number(name: impl Into<String>) -> Column {
+        Column { name: name.into(), numeric: true }
+    }
+}
+
+impl Cell {
+    /// Text.
+    pub fn text(text: impl Into<String>) -> Cell {
+        Cell { text: text.into(), value: None }
+    }
+
+    /// A number with three digits.
+    pub fn number(value: f64) -> Cell {
+        Cell { text: number(value), value: Some(value) }
+    }
+
+    /// A number that is written in another way.
+    pub fn written(text: impl Into<String>, value: f64) -> Cell {
+        Cell { text: text.into(), value: Some(value) }
+    }
+}

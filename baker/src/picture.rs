@@ -1,0 +1,30 @@
+//! Pictures for print and for pages: values on a lattice of pixels, with contours, colour bars and axes in metres,
+//! and charts. The model is Fig. 6 of Bender et al. 2020, *Implicit Frictional Boundary Handling for SPH*.
+//!
+//! ```text
+//! PixelLattice -> Raster, Contour (marching squares, mesh section) -> Panel -> Figure -> PNG
+//!                                                            series -> Chart  -> SVG or PNG
+//! ```
+//! Guaranteed: the bytes of a picture depend on its content alone, not on processor, threads or time.
+
+mod bar;
+mod canvas;
+pub mod chart;
+pub mod colours;
+pub mod contour;
+mod drawing;
+pub mod figure;
+mod font;
+mod frame;
+pub mod lattice;
+mod legend;
+mod panel;
+pub mod png;
+pub mod scale;
+mod svg;
+
+pub use chart::{At, Chart, ChartAxis, Data, Mark, Series};
+pub use colours::{ColourMap, Rgb};
+pub use contour::{Polyline, contours, section};
+pub use figure::{Category, Colouring, Figure, Limits, Line, Marker, Panel, Pixel, Quantity, Raster};
+pub use lattice::{Axis, PixelLattice, Plane};

@@ -1,0 +1,99 @@
+//! PNG files (ISO/IEC 15948) of 8-bit RGB: the same bytes everywhere.
+
+use flate2::Crc;
+use flate2::{Compression, write::ZlibEncoder};
+use std::io::Write;
+
+/// Dots a metre: 300 an inch.
+const DENSITY: u32 = 11_811;
+const SIGNATURE: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
+
+/// A PNG file of `width` x `height` pixels, red, green, blue, from the upper row down.
+///
+/// # Panics
+/// If there aren't 3 bytes a pixel.
+pub fn encode(width: u32, height: u32, rgb: &[u8]) -> Vec<u8> {
+    let row = 3 * width as usize;
+    assert_eq!(rgb.len(), row * height as usize, "three bytes a pixel");
+    let mut out = SIGNATURE.to_vec();
+    let mut header = [width.to_be_bytes(), height.to_be_bytes()].concat();
+    // 8 bits, RGB, the only compression and filtering, not interlaced.
+    header.extend([8, 2, 0, 0, 0]);
+    chunk(&mut out, b"IHDR", &header);
+    chunk(&mut out, b"pHYs", &[&DENSITY.to_be_bytes()[..], &DENSITY.to_be_bytes(), &[1]].concat());
+    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::new(6));
+    let mut above = vec![0; row];
+    for line in rgb.chunks(row.max(1)) {
+        encoder.write_all(&filtered(line, &above)).expect("a vector takes all");
+        above.copy_from_slice(line);
+    }
+    chunk(&mut out, b"IDAT", &encoder.finish().expect("a vector takes all"));
+    chunk(&mut out, b"IEND", &[]);
+    out
+}
+
+/// Width and height of a PNG file, if it is one.
+pub fn size(file: &[u8]) -> Option<[u32; 2]> {
+    let number = |at: usize| file.get(at..at + 4).and_then(|b| b.try_into().ok()).map(u32::from_be_bytes);
+    if !file.starts_with(&SIGNATURE) {
+        return None;
+    }
+    Some([number(16)?, number(20)?])
+}
+
+fn chunk(out: &mut Vec<u8>, name: &[u8; 4], data: &[u8]) {
+    out.extend((data.len() as u32).to_be_bytes());
+    let start = out.len();
+    out.extend(name);
+    out.extend(data);
+    let mut crc = Crc::new();
+    crc.update(&out[start..]);
+    out.extend(crc.sum().to_be_bytes());
+}
+
+/// A row as differences to the left, above or neither: the one with the smallest sum, as the standard advises.
+fn filtered(line: &[u8], above: &[u8]) -> Vec<u8> {
+    let left = |at: usize| if at < 3 { 0 } else { line[at - 3] };
+    let differences: [(u8, Vec<u8>); 3] = [
+        (2, line.iter().zip(above).map(|(x, up)| x.wrapping_sub(*up)).collect()),
+        (1, line.iter().enumerate().map(|(at, x)| x.wrapping_sub(left(at))).collect()),
+        (0, line.to_vec()),
+    ];
+    let cost = |bytes: &[u8]| bytes.iter().map(|&x| u64::from((x as i8).unsigned_abs())).sum::<u64>();
+    let best = differences.into_iter().min_by_key(|(_, bytes)| cost(bytes));
+    let (kind, bytes) = best.expect("there are three");
+    [&[kind], &bytes[..]].concat()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use flate2::read::ZlibDecoder;
+    use std::io::Read;
+
+    #[test]
+    fn rows_come_back() {
+        let (width, height) = (7, 5);
+        let rgb: Vec<u8> = (0..3 * width * height).map(|n| (n * n % 251) as u8).collect();
+        let file = encode(width, height, &rgb);
+        assert_eq!(size(&file), Some([7, 5]));
+        let start = file.windows(4).position(|w| w == b"IDAT").unwrap();
+        let length = u32::from_be_bytes(file[start - 4..start].try_into().unwrap()) as usize;
+        let mut rows = Vec::new();
+        ZlibDecoder::new(&file[start + 4..start + 4 + length]).read_to_end(&mut rows).unwrap();
+        let mut back: Vec<u8> = Vec::new();
+        for (n, line) in rows.chunks(22).enumerate() {
+            for (at, x) in line[1..].iter().enumerate() {
+                let from = match line[0] {
+                    1 if at >= 3 => back[back.len() - 3],
+                    2 if n > 0 => back[back.len() - 21],
+                    _ => 0,
+                };
+                back.push(x.wrapping_add(from));
+            }
+        }
+        assert_eq!(back, rgb);
+        assert_eq!(size(b"no picture at all, but long enough"), None);
+        assert_eq!(size(&file[..18]), None);
+    }
+}

@@ -1,0 +1,110 @@
+//! Interop, pages: headless Chromium opens one in every form, sorts its table, prints it.
+
+use std::path::Path;
+use std::process::Command;
+use volmap_baker::page::{Block, Cell, Column, Image, Outcome, Page, Parameter, Section, Table, Verdict};
+use volmap_baker::picture::colours::DISTINCT;
+use volmap_baker::picture::{Chart, Data, Quantity, Series};
+use volmap_baker::slice::{Settings, slice};
+use volmap_baker::{picture, plan};
+use volmap_tests::{SPHERE, map_of, python};
+
+const NASTY: &str = "<img src=x onerror=alert(1)>&amp;\"'.obj";
+
+/// A picture of a ball's map.
+fn image() -> Image {
+    let map = map_of(&SPHERE, 12, &plan::Settings { support_radius: Some(0.1), ..plan::Settings::default() });
+    let settings = Settings {
+        plane: "z=0.1".parse().unwrap(),
+        field: volmap_baker::slice::Field::Volume,
+        pixels: 200,
+        contours: vec![0.001, 0.002],
+    };
+    let png = slice(&map, &settings, None).unwrap().figure.to_png();
+    Image {
+        png,
+        alt: format!("slice of {NASTY}"),
+        caption: format!("The volume of {NASTY} on the plane z = 0.1 m."),
+    }
+}
+
+fn chart() -> Block {
+    let curve = (0..40).map(|n| [f64::from(n), (f64::from(n) * 0.3).sin() * 1e-6]).collect();
+    let chart = Chart {
+        title: format!("error of {NASTY}"),
+        x: picture::ChartAxis { quantity: Quantity::new("distance", "r"), ..Default::default() },
+        y: picture::ChartAxis { quantity: Quantity::new("error", "m³"), ..Default::default() },
+        series: vec![Series { name: "median".into(), colour: DISTINCT[0], data: Data::Curve(curve) }],
+        marks: vec![],
+    };
+    Block::Chart(chart.to_svg(), "Error against distance.".into())
+}
+
+/// Rows whose numbers sort otherwise than their texts.
+fn table() -> Table {
+    let numbers = [3.2e-5, -1.0, 0.04, 12345.6, f64::NAN, 7.0];
+    let row = |(n, x): (usize, &f64)| {
+        let mut row = vec![Cell::text(format!("quantity {n}")), Cell::number(*x)];
+        row.extend((0..7).map(|k| Cell::number(x * f64::from(k))));
+        row
+    };
+    let mut columns = vec![Column::text("name"), Column::number("largest, m³")];
+    columns.extend((0..7).map(|k| Column::number(format!("percentile {k}"))));
+    Table {
+        caption: format!("Errors of {NASTY}"),
+        columns,
+        rows: numbers.iter().enumerate().map(row).collect(),
+    }
+}
+
+fn page() -> Page {
+    let hash = "4f".repeat(32);
+    let parameters = vec![
+        Parameter { note: "metres; ".repeat(20), ..Parameter::new("support_radius", "0.1 m") },
+        Parameter::new("blake3", hash),
+    ];
+    let text = "How far the map is from the integral, at every pixel of three planes. ".repeat(6);
+    Page {
+        title: format!("Report of {NASTY}"),
+        subtitle: "a page of the tests".into(),
+        verdict: Verdict {
+            outcome: Outcome::Fail,
+            text: "The largest error is above the limit.".into(),
+            figures: vec![
+                ("largest error".into(), "1.2·10⁻⁵ m³".into()),
+                ("of the ball".into(), "0.29 %".into()),
+                ("limit".into(), "0.1 %".into()),
+            ],
+        },
+        sections: vec![
+            Section {
+                title: "Pictures".into(),
+                blocks: vec![Block::Paragraph(text.clone()), Block::Image(image()), chart()],
+            },
+            Section {
+                title: "Numbers".into(),
+                blocks: vec![Block::Warning("three edges have one face".into()), Block::Table(table())],
+            },
+            Section {
+                title: "Parameters".into(),
+                blocks: vec![
+                    Block::Parameters(parameters),
+                    Block::Details("All of them".into(), vec![Block::List(vec![text.clone(), text])]),
+                ],
+            },
+        ],
+        footer: "volmap 0.1.0".into(),
+    }
+}
+
+#[test]
+fn browser_shows_sorts_and_prints_a_page() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("page");
+    std::fs::create_dir_all(&folder).unwrap();
+    std::fs::write(folder.join("page.html"), page().to_html()).unwrap();
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("interop/open_page.py");
+    let output = Command::new(python()).arg(script).arg(folder.join("page.html")).output().unwrap();
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success(), "{text}\n{}", String::from_utf8_lossy(&output.stderr));
+    print!("{text}");
+}
