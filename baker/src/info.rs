@@ -69,7 +69,8 @@ fn line(out: &mut String, indent: &str, name: &str, value: &Json) {
     _ = writeln!(out, "{indent}{name:width$} {text}");
 }
 
-fn exterior(asset: &Asset) -> &'static str {
+/// What lies outside the domain, in a word.
+pub fn exterior(asset: &Asset) -> &'static str {
     match asset.exterior {
         Exterior::Fluid => "fluid",
         Exterior::Solid => "solid",
@@ -99,8 +100,9 @@ fn field(values: &Array, units: &str) -> Json {
     out
 }
 
-fn object(attributes: &Attributes) -> Json {
-    attributes.iter().map(|(name, value)| (name.clone(), to_value(value))).collect::<Map<_, _>>().into()
+/// Attributes as an object.
+pub fn object(attributes: &Attributes) -> Map<String, Json> {
+    attributes.iter().map(|(name, value)| (name.clone(), to_value(value))).collect()
 }
 
 fn to_value(value: &Value) -> Json {

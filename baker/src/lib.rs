@@ -17,6 +17,8 @@ pub mod picture;
 pub mod plan;
 pub mod points;
 pub mod provenance;
+pub mod random;
+pub mod report;
 pub mod rows;
 pub mod sdf;
 pub mod slice;

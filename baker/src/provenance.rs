@@ -35,6 +35,30 @@ pub fn input_settings(asset: &Asset) -> Result<InputSettings, Error> {
     Ok(InputSettings { unit: (!unit.is_nan()).then_some(unit), placement, weld_tolerance })
 }
 
+/// A parameter of the bake that is a number; `default` if the asset doesn't say.
+///
+/// # Errors
+/// A parameter that no bake writes.
+pub fn real(asset: &Asset, name: &'static str, default: f64) -> Result<f64, Error> {
+    reals(&asset.bake, name, [default]).map(|[x]| x)
+}
+
+/// A parameter of the bake that is yes or no; no if the asset doesn't say.
+///
+/// # Errors
+/// A parameter that no bake writes.
+pub fn flag(asset: &Asset, name: &'static str) -> Result<bool, Error> {
+    match asset.bake.get(name) {
+        None => Ok(false),
+        Some(Value::Integer(list)) => match list.as_slice() {
+            [0] => Ok(false),
+            [1] => Ok(true),
+            _ => Err(strange(name)),
+        },
+        Some(_) => Err(strange(name)),
+    }
+}
+
 /// A warning, if this isn't the file that was baked.
 pub fn other_mesh(asset: &Asset, source: &Source) -> Option<String> {
     let Some(Value::Text(known)) = asset.source.get("blake3") else { return None };

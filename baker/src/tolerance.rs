@@ -7,6 +7,7 @@
 use crate::error::Error;
 use crate::maps::{Maps, Stage, compute_maps};
 use crate::plan::{Extent, GridChoice, Plan, Precision, Settings, plan, support_radius};
+use crate::random::Random;
 use crate::sdf::{Neighbours, SignedDistance};
 use crate::volume_map::oracle;
 use crate::volume_map::quadrature::{Point, Rule, along_curve};
@@ -285,7 +286,7 @@ fn fluid_points<D: SignedDistance>(problem: &Problem<D>, settings: &Settings, pl
             sum
         })
         .collect();
-    let mut random = Random(0x9E3779B97F4A7C15);
+    let mut random = Random::new(1);
     let reach = plan.band_width + settings.thickness.abs();
     let mut point = || {
         let area = random.unit() * sum;
@@ -313,17 +314,4 @@ fn fluid_points<D: SignedDistance>(problem: &Problem<D>, settings: &Settings, pl
         x.cmpge(low).all() && x.cmple(high).all() && (0.0..plan.band_width).contains(&phi())
     };
     candidates.iter().filter(is_near).take(POINTS).copied().collect()
-}
-
-/// xorshift64* (Marsaglia 2003, Vigna 2016).
-struct Random(u64);
-
-impl Random {
-    /// A number in [0, 1).
-    fn unit(&mut self) -> f64 {
-        self.0 ^= self.0 >> 12;
-        self.0 ^= self.0 << 25;
-        self.0 ^= self.0 >> 27;
-        (self.0.wrapping_mul(0x2545F4914F6CDD1D) >> 11) as f64 / (1u64 << 53) as f64
-    }
 }

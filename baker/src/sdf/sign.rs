@@ -84,7 +84,7 @@ pub fn points_near_surface(corners: &[[DVec3; 3]]) -> Vec<DVec3> {
     let centroids =
         corners.iter().step_by(stride).map(|triangle| (at_weights(triangle, 1.0 / 3.0, 1.0 / 3.0), triangle));
     centroids
-        .chain(spread_over_area(corners))
+        .chain(spread_over_area(corners).into_iter().map(|(point, triangle)| (point, &corners[triangle])))
         .enumerate()
         .flat_map(|(i, (point, [a, b, c]))| {
             let normal = (b - a).cross(c - a).normalize_or_zero();
@@ -94,20 +94,20 @@ pub fn points_near_surface(corners: &[[DVec3; 3]]) -> Vec<DVec3> {
         .collect()
 }
 
-/// Points at equal steps of summed area, at weights inside their triangles that fill these evenly: the
-/// plastic number's sequence of Roberts 2018.
-fn spread_over_area(corners: &[[DVec3; 3]]) -> Vec<(DVec3, &[DVec3; 3])> {
+/// Points at equal steps of summed area, and the indices of their triangles, at weights inside these that fill them
+/// evenly: the plastic number's sequence of Roberts 2018.
+pub fn spread_over_area(corners: &[[DVec3; 3]]) -> Vec<(DVec3, usize)> {
     let area = |[a, b, c]: &[DVec3; 3]| (b - a).cross(c - a).length();
     let step = corners.iter().map(area).sum::<f64>() / SPREAD_POINTS as f64;
     let mut points = Vec::with_capacity(SPREAD_POINTS);
     let mut summed = 0.0;
-    for triangle in corners {
+    for (index, triangle) in corners.iter().enumerate() {
         summed += area(triangle);
         while points.len() < SPREAD_POINTS && (points.len() as f64 + 0.5) * step < summed {
             let k = points.len() as f64;
             let (u, v) = ((k * 0.754877666246693).fract(), (k * 0.569840290998053).fract());
             let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
-            points.push((at_weights(triangle, u, v), triangle));
+            points.push((at_weights(triangle, u, v), index));
         }
     }
     points

@@ -89,6 +89,16 @@ impl Array {
         self.len() == 0
     }
 
+    /// The elements in double precision.
+    pub fn to_f64(&self) -> Vec<f64> {
+        match self {
+            Array::F32(v) => v.iter().map(|&x| x.into()).collect(),
+            Array::F64(v) => v.clone(),
+            Array::Rounded(v) => v.values().collect(),
+            Array::U32(v) => v.iter().map(|&x| x.into()).collect(),
+        }
+    }
+
     /// Whether no element is NaN or infinite.
     pub fn is_finite(&self) -> bool {
         // Without an early end within a block, so that the compiler makes vector code of it.

@@ -1,0 +1,123 @@
+//! Slices of the volume and of its error against the paper's integral, at every pixel: Fig. 6 of Bender et al. 2020.
+
+use super::model::Model;
+use super::reference::OwnIntegrals;
+use crate::picture::{Axis, Pixel, PixelLattice, Plane, Raster};
+use crate::volume_map::anywhere::Block;
+use crate::work::Work;
+use glam::DVec3;
+use rayon::prelude::*;
+use volmap_runtime::{Sample, VolumeMap};
+
+/// A slice.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ErrorSlice {
+    /// The asset's volume, m^3.
+    pub volume: Raster,
+    /// The asset's signed distance, metres; NaN outside the band.
+    pub distance: Vec<f64>,
+    /// Its difference to the integral of order 100 on the asset's own distance, as a part of the full ball.
+    pub error: Raster,
+    /// The worst pixel: where, and its error.
+    pub worst: Option<(DVec3, f64)>,
+    /// Whether it goes through the worst of the random points.
+    pub through_worst: bool,
+}
+
+/// Three slices through the middle of the domain, and one through the worst point, across the axis that is closest to
+/// the surface there. `begin` gets the number of pixels.
+pub fn slices(
+    model: &Model,
+    worst: Option<DVec3>,
+    pixels: usize,
+    begin: &mut dyn FnMut(u64) -> Work,
+) -> Vec<ErrorSlice> {
+    if pixels == 0 {
+        return Vec::new();
+    }
+    let (low, high) = (model.map.grid().origin, model.map.grid().max_corner());
+    let middle = 0.5 * (low + high);
+    let mut planes: Vec<(Plane, bool)> =
+        Axis::ALL.map(|axis| (Plane { axis, at: middle[axis.index()] }, false)).to_vec();
+    if let Some(worst) = worst {
+        let normal = match model.map.sample(worst) {
+            Sample::Near(near) => near.normal.abs(),
+            _ => DVec3::Z,
+        };
+        let axis = Axis::ALL[normal.min_position()];
+        planes.push((Plane { axis, at: worst[axis.index()] }, true));
+    }
+    let lattices: Vec<(PixelLattice, bool)> = planes
+        .into_iter()
+        .map(|(plane, worst)| (PixelLattice::over(plane, low, high, pixels), worst))
+        .collect();
+    let work = begin(lattices.iter().map(|(lattice, _)| lattice.len() as u64).sum());
+    let own = OwnIntegrals::new(model);
+    lattices.into_iter().map(|(lattice, through)| slice(model, &own, lattice, (through, &work))).collect()
+}
+
+fn slice(
+    model: &Model,
+    own: &OwnIntegrals,
+    lattice: PixelLattice,
+    (through_worst, work): (bool, &Work),
+) -> ErrorSlice {
+    let row = |block: &mut Block, j: usize| {
+        let points: Vec<DVec3> = (0..lattice.size[0]).map(|i| lattice.point(i, j)).collect();
+        let row = row(&model.map, own, &points, block);
+        work.add(points.len() as u64);
+        row
+    };
+    let rows: Vec<Vec<PixelValues>> =
+        (0..lattice.size[1]).into_par_iter().map_init(Block::default, row).collect();
+    let all = rows.concat();
+    let raster = |value: &dyn Fn(&PixelValues) -> f64| Raster {
+        lattice: lattice.clone(),
+        pixels: all
+            .iter()
+            .map(|pixel| match pixel.known {
+                Pixel::Value(_) => Pixel::Value(value(pixel)),
+                other => other,
+            })
+            .collect(),
+    };
+    let error = |pixel: &PixelValues| (pixel.volume - pixel.paper) / model.ball;
+    let errors =
+        all.iter().zip(lattice.points()).filter(|(pixel, _)| matches!(pixel.known, Pixel::Value(_)));
+    let errors = errors.map(|(pixel, point)| (point, error(pixel)));
+    ErrorSlice {
+        worst: errors.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())),
+        volume: raster(&|pixel| pixel.volume),
+        error: raster(&error),
+        distance: all.iter().map(|pixel| pixel.distance).collect(),
+        through_worst,
+    }
+}
+
+#[derive(Clone, Copy)]
+struct PixelValues {
+    /// In the band, or what it is else.
+    known: Pixel,
+    distance: f64,
+    volume: f64,
+    paper: f64,
+}
+
+fn row(map: &VolumeMap, own: &OwnIntegrals, points: &[DVec3], block: &mut Block) -> Vec<PixelValues> {
+    let mut samples = Vec::new();
+    map.sample_batch(points, &mut samples);
+    let pixel = |(sample, point): (&Sample, &DVec3)| {
+        let known = |known| PixelValues { known, distance: f64::NAN, volume: f64::NAN, paper: f64::NAN };
+        match sample {
+            Sample::Outside => known(Pixel::Fluid),
+            Sample::DeepInside => known(Pixel::Solid),
+            Sample::Near(near) => PixelValues {
+                known: Pixel::Value(0.0),
+                distance: near.distance,
+                volume: near.volume,
+                paper: own.paper(*point, block),
+            },
+        }
+    };
+    samples.iter().zip(points).map(pixel).collect()
+}
