@@ -137,9 +137,13 @@ fn table(out: &mut String, data: &Table) {
 }
 
 fn image(out: &mut String, Image { png, alt, caption }: &Image) {
-    let size = png::size(png).map_or(String::new(), |[w, h]| format!(" width=\"{w}\" height=\"{h}\""));
+    let size = png::size(png)
+        .map_or(String::new(), |[w, h]| format!(" width=\"{w}\" height=\"{h}\" style=\"--pixels: {w}\""));
     let data = BASE64.encode(png);
-    let tag = format!("<img src=\"data:image/png;base64,{data}\" alt=\"{}\"{size}>", escape(alt));
+    let tag = format!(
+        "<div class=\"wide\" tabindex=\"0\" role=\"group\"><img src=\"data:image/png;base64,{data}\" alt=\"{}\"{size}></div>",
+        escape(alt)
+    );
     figure(out, &tag, caption, "picture");
 }
 
@@ -203,7 +207,7 @@ mod tests {
         let html = page(NASTY).to_html();
         assert_eq!(tags(&html), tags(&page("harmless").to_html()));
         assert_eq!(html.matches("<script").count(), 1);
-        assert_eq!(html.matches("&lt;script&gt;alert(1)").count(), 3 * 15 + 9);
+        assert_eq!(html.matches("&lt;script&gt;alert(1)").count(), 3 * 16 + 7);
         assert!(!html.contains('\0') && !html.contains('\u{202e}'));
     }
 
