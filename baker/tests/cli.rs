@@ -397,3 +397,86 @@ fn a_tolerance_holds_with_a_cut_domain_and_with_rounding() {
     let message = String::from_utf8_lossy(&refused.stderr).into_owned();
     assert!(!refused.status.success() && message.contains("--max-rounding"), "{message}");
 }
+
+#[test]
+fn slice_draws_a_map() {
+    let folder = folder();
+    let bake = ["--resolution", "12", "--support-radius", "0.15", "-o", "d.h5", "-q"];
+    output(volmap(&folder).arg("bake").arg(data("duck.obj")).args(bake));
+    let mesh = data("duck.obj");
+    let arguments =
+        ["slice", "d.h5", "--plane", "z=0.1", "--pixels", "80", "--csv", "s.csv", "-o", "s.png", "--mesh"];
+    output(volmap(&folder).args(arguments).arg(&mesh));
+    let first = fs::read(folder.path().join("s.png")).unwrap();
+    assert!(first.starts_with(b"\x89PNG"));
+    let table = fs::read_to_string(folder.path().join("s.csv")).unwrap();
+    assert!(table.starts_with("x,y,z,value,region\n") && table.contains(",outside\n"), "{table}");
+
+    // The numbers are those of `query` at the same points.
+    let answers = output(volmap(&folder).args(["query", "d.h5", "--points", "s.csv"]));
+    let mut bands = 0;
+    for line in answers.lines().skip(1) {
+        let fields: Vec<&str> = line.split(',').collect();
+        assert_eq!(fields[4], fields[13], "region: {line}");
+        if fields[4] == "band" {
+            assert_eq!(fields[3], fields[12], "volume: {line}");
+            bands += 1;
+        }
+    }
+    assert!(bands > 1000, "{bands}");
+
+    // Every field; the mesh and curves are seen.
+    let mut pictures = vec![first];
+    let fields = ["volume", "distance", "normal-x", "normal-y", "normal-z", "normal-angle"];
+    let others = fields.map(|field| vec!["--field", field, "--mesh", mesh.to_str().unwrap()]);
+    for options in others.into_iter().chain([vec![], vec!["--contours", "1e-3,5e-3"], vec!["--pixels", "90"]])
+    {
+        let mut command = volmap(&folder);
+        let pixels: &[&str] = if options.contains(&"--pixels") { &[] } else { &["--pixels", "80"] };
+        output(command.args(["slice", "d.h5", "--plane", "z=0.1", "-o", "s.png"]).args(pixels).args(options));
+        pictures.push(fs::read(folder.path().join("s.png")).unwrap());
+    }
+    assert_eq!(pictures[0], pictures[1], "the volume is the default");
+    pictures.remove(0);
+    for (number, picture) in pictures.iter().enumerate() {
+        assert!(!pictures[..number].contains(picture), "{number} looks like another");
+    }
+}
+
+#[test]
+fn slice_refuses_what_it_cannot_draw() {
+    let folder = folder();
+    let bake = ["--resolution", "8", "-o", "t.h5", "-q"];
+    output(volmap(&folder).arg("bake").arg(data("tank.obj")).args(bake));
+    let refused = |options: &[&str]| error(volmap(&folder).args(["slice", "t.h5"]).args(options));
+    let far = refused(&["--plane", "z=99", "-o", "s.png"]);
+    assert!(far.contains("--plane: z = 99 is outside the domain, where z goes from"), "{far}");
+    let alone = refused(&["--plane", "z=0", "--field", "normal-angle", "-o", "s.png"]);
+    assert!(alone.contains("needs --mesh"), "{alone}");
+    let nowhere = refused(&["--plane", "z=0", "-o", "no/such/s.png"]);
+    assert!(nowhere.contains("there is no folder"), "{nowhere}");
+    let lost = refused(&["--plane", "z=0", "-o", "s.png", "--mesh", "lost.obj"]);
+    assert!(lost.contains("lost.obj"), "{lost}");
+    let over = refused(&["--plane", "z=0", "-o", "s.png", "--csv", "t.h5"]);
+    assert!(over.contains("would overwrite t.h5"), "{over}");
+    assert_eq!(names(&folder), ["t.h5"], "nothing is left");
+
+    for (options, reason) in [
+        (vec!["--plane", "w=1", "-o", "s.png"], "z=0.2"),
+        (vec!["--plane", "z=0", "-o", "s.jpg"], ".png"),
+        (vec!["--plane", "z=0", "-o", "s.png", "--field", "colour"], "possible values"),
+        (vec!["--plane", "z=0", "-o", "s.png", "--pixels", "5"], "16..=4096"),
+        (vec!["--plane", "z=0", "-o", "s.png", "--contours", "1,x"], "finite numbers"),
+        (vec!["-o", "s.png"], "--plane"),
+    ] {
+        let run = volmap(&folder).args(["slice", "t.h5"]).args(options).assert().code(2);
+        let text = String::from_utf8(run.get_output().stderr.clone()).unwrap();
+        assert!(text.contains(reason), "{text}");
+    }
+    // Another mesh than the baked one is drawn, with a warning.
+    let mut command = volmap(&folder);
+    let run =
+        command.args(["slice", "t.h5", "--plane", "y=0.5", "-o", "s.png", "--mesh"]).arg(data("duck.obj"));
+    let warning = String::from_utf8(run.assert().success().get_output().stderr.clone()).unwrap();
+    assert!(warning.contains("duck.obj is not the mesh that was baked (tank.obj)"), "{warning}");
+}

@@ -143,12 +143,12 @@ impl Chart {
         extent
     }
 
-    /// The vertical extent with zero, if that is near, and some room above.
+    /// The vertical extent with zero, if that is near, and some room.
     fn with_room(&self, [low, high]: [f64; 2]) -> [f64; 2] {
         match self.y.log {
             true => [low / 1.3, high * 1.3],
             false if low >= 0.0 && low < 0.5 * high => [0.0, 1.05 * high],
-            false => [low, high + 0.05 * (high - low)],
+            false => [low - 0.05 * (high - low), high + 0.05 * (high - low)],
         }
     }
 

@@ -1,6 +1,6 @@
 //! What signs and colours mean, in rows below a plot, so that they hide no value.
 
-use super::colours::{Rgb, WHITE};
+use super::colours::{Rgb, SOLID, WHITE};
 use super::drawing::{Anchor, Drawing, Paint, Pen, Rect};
 use super::font;
 
@@ -72,6 +72,10 @@ impl Legend {
 fn draw_sign(drawing: &mut Drawing, sign: Sign, rect: Rect, text: f64) {
     let thin = Pen::new(Paint::Ink, 0.05 * text);
     match sign {
+        Sign::Line(pen) if pen.paint == Paint::Colour(WHITE) => {
+            drawing.area(rect.corners(), Paint::Colour(SOLID));
+            drawing.stroke(vec![rect.at(0.0, 0.5), rect.at(1.0, 0.5)], pen);
+        }
         Sign::Line(pen) => drawing.stroke(vec![rect.at(0.0, 0.5), rect.at(1.0, 0.5)], pen),
         Sign::Ring(colour) => ring(drawing, rect.at(0.5, 0.5), 0.4 * text, colour),
         Sign::Box(paint) => {
