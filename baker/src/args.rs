@@ -1,5 +1,6 @@
 //! The command line: raw arguments, then validated options.
 
+pub mod report;
 pub mod slice;
 
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
@@ -45,6 +46,8 @@ pub enum Command {
         #[arg(long)]
         json: bool,
     },
+    /// Measure how exact an asset is: a page with errors, their causes, and pictures
+    Report(Box<report::ReportArguments>),
     /// Draw a map on a plane
     Slice(slice::SliceArguments),
 }

@@ -2,6 +2,7 @@
 
 mod args;
 mod progress;
+mod run;
 
 use anyhow::{Context, Result, bail};
 use args::slice::SliceArguments;
@@ -21,7 +22,7 @@ use volmap_runtime::VolumeMap;
 
 fn main() -> ExitCode {
     match run(Arguments::parse().command) {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(code) => code,
         // The reader of a pipe may have had enough.
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
@@ -31,13 +32,15 @@ fn main() -> ExitCode {
     }
 }
 
-fn run(command: Command) -> Result<()> {
+fn run(command: Command) -> Result<ExitCode> {
     match command {
-        Command::Bake(arguments) => run_bake(&arguments),
-        Command::Info { asset, json } => run_info(&asset, json),
-        Command::Query { asset, points, json } => run_query(&asset, &points, json),
-        Command::Slice(arguments) => run_slice(&arguments),
+        Command::Bake(arguments) => run_bake(&arguments)?,
+        Command::Info { asset, json } => run_info(&asset, json)?,
+        Command::Query { asset, points, json } => run_query(&asset, &points, json)?,
+        Command::Report(arguments) => return run::report::run_report(&arguments),
+        Command::Slice(arguments) => run_slice(&arguments)?,
     }
+    Ok(ExitCode::SUCCESS)
 }
 
 fn run_bake(arguments: &BakeArguments) -> Result<()> {

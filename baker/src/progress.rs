@@ -8,17 +8,21 @@ use std::time::Duration;
 use volmap_baker::bake::Step;
 use volmap_baker::maps::Stage;
 use volmap_baker::plan::Plan;
+use volmap_baker::report;
 use volmap_baker::summary::{bytes, thousands};
 use volmap_baker::work::Work;
 
 /// How often the bar is drawn; a bake that is faster shows none.
 const TICK: Duration = Duration::from_millis(100);
 
-/// Shows what the bake is at.
+/// What is being done, and how far it is.
+type Shown = (&'static str, Option<Work>);
+
+/// Shows what the program is at.
 pub struct Progress {
     quiet: bool,
     /// Of the thread that draws, if there is a terminal to draw on.
-    drawing: Option<(Sender<Step>, JoinHandle<()>)>,
+    drawing: Option<(Sender<Shown>, JoinHandle<()>)>,
 }
 
 impl Progress {
@@ -51,9 +55,24 @@ impl Progress {
 
     /// Names the step.
     pub fn step(&self, step: Step) {
+        self.show(describe(step));
+    }
+
+    /// Names the step of a report.
+    pub fn report(&self, step: report::Step) {
+        self.show(match step {
+            report::Step::Opening => ("preparing", None),
+            report::Step::Samples(work) => ("integrating at random points", Some(work)),
+            report::Step::Surface => ("measuring the surface", None),
+            report::Step::Slices(work) => ("integrating at pixels", Some(work)),
+            report::Step::Pictures => ("drawing", None),
+        });
+    }
+
+    fn show(&self, shown: Shown) {
         if let Some((steps, _)) = &self.drawing {
             // The thread ends after this end of the channel does.
-            let _ = steps.send(step);
+            let _ = steps.send(shown);
         }
     }
 
@@ -74,13 +93,12 @@ impl Drop for Progress {
 }
 
 /// Draws the steps that arrive until there are no more.
-fn draw(steps: &Receiver<Step>) {
+fn draw(steps: &Receiver<Shown>) {
     let mut current: Option<(ProgressBar, Option<Work>)> = None;
     loop {
         match steps.recv_timeout(TICK) {
-            Ok(step) => {
+            Ok((name, work)) => {
                 clear(&current);
-                let (name, work) = describe(step);
                 current = Some((bar(name, work.as_ref()), work));
             }
             Err(RecvTimeoutError::Timeout) => tick(&current),
@@ -117,7 +135,7 @@ fn bar(name: &'static str, work: Option<&Work>) -> ProgressBar {
     bar
 }
 
-fn describe(step: Step) -> (&'static str, Option<Work>) {
+fn describe(step: Step) -> Shown {
     match step {
         Step::Mesh => ("examining the mesh", None),
         Step::Field(Stage::Reference(work)) => ("measuring the exact volume", Some(work)),

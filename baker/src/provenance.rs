@@ -2,8 +2,9 @@
 
 use crate::error::Error;
 use crate::input::{InputSettings, Source};
+use std::path::{Path, PathBuf};
 use volmap_formats::asset::{Asset, Attributes, Value};
-use volmap_formats::mesh::{Placement, Rotation, UpAxis};
+use volmap_formats::mesh::{read_bytes, Placement, Rotation, UpAxis};
 
 /// How the asset's mesh was read and placed; the default for what the asset doesn't say.
 ///
@@ -57,6 +58,21 @@ pub fn flag(asset: &Asset, name: &'static str) -> Result<bool, Error> {
         },
         Some(_) => Err(strange(name)),
     }
+}
+
+/// The mesh that was baked, if it lies in one of the folders.
+pub fn find_mesh(asset: &Asset, folders: &[&Path]) -> Option<PathBuf> {
+    let (Some(Value::Text(name)), Some(Value::Text(hash))) =
+        (asset.source.get("file"), asset.source.get("blake3"))
+    else {
+        return None;
+    };
+    // A name and no way: the asset may come from anywhere.
+    let name = Path::new(name).file_name()?;
+    let is_it = |path: &PathBuf| {
+        read_bytes(path).is_ok_and(|bytes| blake3::hash(&bytes).to_hex().as_str() == hash)
+    };
+    folders.iter().map(|folder| folder.join(name)).find(is_it)
 }
 
 /// A warning, if this isn't the file that was baked.

@@ -7,8 +7,10 @@
 //! to an order-100 integral at every pixel, the surface, the largest error.
 
 pub mod distance_error;
+pub mod figures;
 pub mod findings;
 pub mod model;
+pub mod page;
 pub mod reference;
 pub mod samples;
 pub mod shape;
@@ -22,6 +24,7 @@ use crate::error::Error;
 use crate::input::Input;
 use crate::sdf::{compare_signs, points_near_surface};
 use crate::work::Work;
+use figures::{Picture, slice_pictures, view_picture};
 use findings::{Findings, findings};
 use glam::DVec3;
 use model::{Model, Solid};
@@ -88,6 +91,18 @@ pub struct Report {
     pub slices: Vec<ErrorSlice>,
     /// The surface from three sides, and what is thin of it.
     pub views: Vec<View>,
+    /// The mesh, if there is one.
+    pub solid: Option<Solid>,
+}
+
+impl Report {
+    /// Its pictures.
+    pub fn pictures(&self) -> Vec<Picture> {
+        let mesh = self.solid.as_ref().map(|solid| (&solid.mesh, solid.name.as_str()));
+        let mut out = slice_pictures(&self.slices, mesh);
+        out.extend(view_picture(&self.views));
+        out
+    }
 }
 
 /// Measures an asset.
@@ -125,13 +140,14 @@ pub fn report(
         enter(Step::Slices(work.clone()));
         work
     });
+    enter(Step::Pictures);
     let views = match (&solid, settings.pixels) {
         (Some(solid), pixels @ 1..) => views::views(&model, solid, pixels),
         _ => Vec::new(),
     };
     let measured = Measured { asset, model: &model, solid: solid.as_ref(), volumes, surface };
     let findings = findings(&measured, settings, &slices);
-    Ok(Report { findings, slices, views })
+    Ok(Report { findings, slices, views, solid })
 }
 
 /// What was measured, before it is summed up.

@@ -235,6 +235,13 @@ pub struct SignFacts {
     pub worst: Vec<([f64; 3], f64)>,
 }
 
+impl Findings {
+    /// The JSON Schema of the file.
+    pub fn schema() -> Json {
+        schemars::schema_for!(Findings).to_value()
+    }
+}
+
 /// The worst of the points in the fluid, against the best reference there is.
 pub fn worst_point(samples: &[VolumeSample]) -> Option<DVec3> {
     let all = against(samples, best_reference(samples));

@@ -1,0 +1,3 @@
+//! Subcommands: files in, files out, and what is said in between.
+
+pub mod report;
