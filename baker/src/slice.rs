@@ -1,4 +1,5 @@
-//! A map on a plane, as a picture: Fig. 6a of Bender et al. 2020, *Implicit Frictional Boundary Handling for SPH*.
+//! A map on a plane, as a picture: Fig. 6a of Bender et al. 2020, *Implicit Frictional Boundary Handling for
+//! SPH*.
 
 use crate::error::Error;
 use crate::picture::colours::{BLACK, DISTINCT, WHITE};
@@ -128,7 +129,8 @@ fn pixel(field: Field, sample: &Sample, point: DVec3, tree: Option<&Bvh>) -> Pix
         (Field::Normal(component), _) => Pixel::Value(near.normal[component]),
         (Field::NormalAngle, Some(tree)) => {
             let line = (point - tree.closest(point, f64::INFINITY).point).normalize_or_zero();
-            // By the half angle's tangent, which is exact for small angles too; either direction of the line counts.
+            // By the half angle's tangent, which is exact for small angles too; either direction of the line
+            // counts.
             let [sum, difference] = [(near.normal + line).length(), (near.normal - line).length()];
             let known = line != DVec3::ZERO && near.normal != DVec3::ZERO;
             match known {

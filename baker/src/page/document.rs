@@ -64,7 +64,8 @@ pub enum Block {
     Table(Table),
     /// A picture.
     Image(Image),
-    /// A chart as an `svg` element (of [`crate::picture::Chart::to_svg`], which is taken as it is) and its caption.
+    /// A chart as an `svg` element (of [`crate::picture::Chart::to_svg`], which is taken as it is) and its
+    /// caption.
     Chart(String, String),
     /// Blocks behind a line that opens them; open in print.
     Details(String, Vec<Block>),

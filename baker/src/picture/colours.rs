@@ -1,5 +1,6 @@
-//! Colours that keep their meaning for colour-blind eyes and in print: viridis and cividis for values (Nunez et al.
-//! 2018), ColorBrewer's RdBu for signed ones, the colours of Okabe and Ito (2008) for lines and categories.
+//! Colours that keep their meaning for colour-blind eyes and in print: viridis and cividis for values (Nunez
+//! et al. 2018), ColorBrewer's RdBu for signed ones, the colours of Okabe and Ito (2008) for lines and
+//! categories.
 
 /// Red, green, blue of sRGB.
 pub type Rgb = [u8; 3];
@@ -35,7 +36,8 @@ pub enum ColourMap {
     Cividis,
     /// White to dark red, as the paper's Fig. 6b: for the size of errors.
     Reds,
-    /// Blue (negative), white (zero), red (positive): for signed numbers, in limits that are balanced about zero.
+    /// Blue (negative), white (zero), red (positive): for signed numbers, in limits that are balanced about
+    /// zero.
     BlueRed,
 }
 

@@ -1,5 +1,5 @@
-//! Curves in a slice: iso-lines of values on pixels by marching squares (Lorensen and Cline 1987 in two dimensions;
-//! saddles by the mean of the corners), and where a mesh meets the plane.
+//! Curves in a slice: iso-lines of values on pixels by marching squares (Lorensen and Cline 1987 in two
+//! dimensions; saddles by the mean of the corners), and where a mesh meets the plane.
 
 use super::lattice::PixelLattice;
 use glam::DVec3;
@@ -63,8 +63,8 @@ fn cell_pieces(lattice: &PixelLattice, values: &[f64], level: f64, [i, j]: [usiz
     }
 }
 
-/// Where the mesh (metres) meets the lattice's plane, also outside of its pixels. A triangle that lies in the plane
-/// counts as above it.
+/// Where the mesh (metres) meets the lattice's plane, also outside of its pixels. A triangle that lies in the
+/// plane counts as above it.
 pub fn section(mesh: &TriangleMesh, lattice: &PixelLattice) -> Vec<Polyline> {
     let axis = lattice.plane.axis.index();
     let height = |vertex: u32| mesh.vertices[vertex as usize][axis] - lattice.plane.at;

@@ -59,8 +59,8 @@ impl fmt::Display for Plane {
     }
 }
 
-/// Square pixels on a plane. Pixel (i, j) is i steps to the right and j up; pictures and arrays start at the lowest
-/// row, i fastest.
+/// Square pixels on a plane. Pixel (i, j) is i steps to the right and j up; pictures and arrays start at the
+/// lowest row, i fastest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PixelLattice {
     /// The plane.
@@ -76,8 +76,8 @@ pub struct PixelLattice {
 }
 
 impl PixelLattice {
-    /// The lattice that covers a box (metres) with `pixels` pixels along the picture's longer side. y points up; on
-    /// planes across y the longer side lies across.
+    /// The lattice that covers a box (metres) with `pixels` pixels along the picture's longer side. y points
+    /// up; on planes across y the longer side lies across.
     pub fn over(plane: Plane, low: DVec3, high: DVec3, pixels: usize) -> PixelLattice {
         let edges = high - low;
         let axes = match plane.axis {

@@ -51,7 +51,8 @@ fn chunk(out: &mut Vec<u8>, name: &[u8; 4], data: &[u8]) {
     out.extend(crc.sum().to_be_bytes());
 }
 
-/// A row as differences to the left, above or neither: the one with the smallest sum, as the standard advises.
+/// A row as differences to the left, above or neither: the one with the smallest sum, as the standard
+/// advises.
 fn filtered(line: &[u8], above: &[u8]) -> Vec<u8> {
     let left = |at: usize| if at < 3 { 0 } else { line[at - 3] };
     let differences: [(u8, Vec<u8>); 3] = [

@@ -1,5 +1,5 @@
-//! Scales with round ticks, and numbers as people write them in print. No function of the system's mathematics
-//! library is used, as their last bits differ from machine to machine.
+//! Scales with round ticks, and numbers as people write them in print. No function of the system's
+//! mathematics library is used, as their last bits differ from machine to machine.
 
 /// From numbers to places on an axis, with labelled ticks.
 #[derive(Clone, Debug, PartialEq)]
