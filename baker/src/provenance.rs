@@ -4,7 +4,7 @@ use crate::error::Error;
 use crate::input::{InputSettings, Source};
 use std::path::{Path, PathBuf};
 use volmap_formats::asset::{Asset, Attributes, Value};
-use volmap_formats::mesh::{read_bytes, Placement, Rotation, UpAxis};
+use volmap_formats::mesh::{Placement, Rotation, UpAxis, read_bytes};
 
 /// How the asset's mesh was read and placed; the default for what the asset doesn't say.
 ///
@@ -69,9 +69,8 @@ pub fn find_mesh(asset: &Asset, folders: &[&Path]) -> Option<PathBuf> {
     };
     // A name and no way: the asset may come from anywhere.
     let name = Path::new(name).file_name()?;
-    let is_it = |path: &PathBuf| {
-        read_bytes(path).is_ok_and(|bytes| blake3::hash(&bytes).to_hex().as_str() == hash)
-    };
+    let is_it =
+        |path: &PathBuf| read_bytes(path).is_ok_and(|bytes| blake3::hash(&bytes).to_hex().as_str() == hash);
     folders.iter().map(|folder| folder.join(name)).find(is_it)
 }
 

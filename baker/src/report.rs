@@ -176,8 +176,7 @@ pub struct Surface {
 
 fn surface(model: &Model, solid: &Solid, points: &[DVec3]) -> Surface {
     let corner = |v: u32| DVec3::from(solid.mesh.vertices[v as usize]);
-    let corners: Vec<[DVec3; 3]> =
-        solid.mesh.triangles.iter().map(|triangle| triangle.map(corner)).collect();
+    let corners: Vec<[DVec3; 3]> = solid.mesh.triangles.iter().map(|triangle| triangle.map(corner)).collect();
     let reach = thin::reach(model);
     Surface {
         errors: distance_error::measure(model, solid, points),

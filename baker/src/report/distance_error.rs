@@ -30,7 +30,8 @@ pub fn measure(model: &Model, solid: &Solid, points: &[DVec3]) -> DistanceErrors
         let side = if exact + solid.phi.thickness < 0.0 { -1.0 } else { 1.0 };
         let normal = side * (*point - surface).normalize_or_zero();
         let known = normal != DVec3::ZERO && boundary.normal != DVec3::ZERO;
-        let angle = known.then(|| Measurement { value: angle(boundary.normal, normal), reference: 0.0, ..distance });
+        let angle =
+            known.then(|| Measurement { value: angle(boundary.normal, normal), reference: 0.0, ..distance });
         Some((distance, angle))
     };
     let pairs = points.par_iter().zip(&samples);

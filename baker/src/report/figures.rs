@@ -5,9 +5,10 @@ use super::slices::ErrorSlice;
 use super::thin::Thin;
 use super::views::View;
 use crate::picture::colours::{BLACK, DISTINCT};
+use crate::picture::scale::number;
 use crate::picture::{
-    At, Category, Chart, ChartAxis, ColourMap, Colouring, Data, Figure, Limits, Line, Marker, Panel, Pixel, Quantity,
-    Raster, Rgb, Series, contours, section,
+    At, Category, Chart, ChartAxis, ColourMap, Colouring, Data, Figure, Limits, Line, Marker, Panel, Pixel,
+    Quantity, Raster, Rgb, Series, contours, section,
 };
 use volmap_formats::mesh::TriangleMesh;
 
@@ -38,9 +39,9 @@ fn slice_picture(slice: &ErrorSlice, mesh: Option<(&TriangleMesh, &str)>) -> Pic
     }
     let surface = contours(lattice, &slice.distance, 0.0);
     lines.push(Line { width: 0.7, ..Line::new("surface of the map", surface, BLACK) });
-    let plane = lattice.plane.to_string();
+    let plane = format!("{} = {}", lattice.plane.axis.name(), number(lattice.plane.at));
     let volume = Panel {
-        title: format!("volume on {} m", plane.replace('-', "−")),
+        title: format!("volume on {plane} m"),
         raster: slice.volume.clone(),
         quantity: Quantity::new("volume", "m³"),
         colouring: Colouring::Linear(ColourMap::Viridis, Limits::Auto),
@@ -64,13 +65,9 @@ fn slice_picture(slice: &ErrorSlice, mesh: Option<(&TriangleMesh, &str)>) -> Pic
     let through = if slice.through_worst { ", through the worst of the random points" } else { "" };
     let wide = lattice.size[0] > 2 * lattice.size[1];
     Picture {
-        name: if slice.through_worst { format!("worst-{plane}") } else { plane.clone() },
-        png: Figure {
-            title: String::new(),
-            panels: vec![volume, error],
-            columns: if wide { 1 } else { 2 },
-        }
-        .to_png(),
+        name: if slice.through_worst { "worst" } else { lattice.plane.axis.name() }.into(),
+        png: Figure { title: String::new(), panels: vec![volume, error], columns: if wide { 1 } else { 2 } }
+            .to_png(),
         alt: format!("Two maps of colours on the plane {plane}: the volume, and its error"),
         caption: format!(
             "The volume on the plane {plane} m{through}, and its difference to the integral of order 100 on the asset's \
@@ -109,8 +106,7 @@ pub fn view_picture(views: &[View]) -> Option<Picture> {
         lines: Vec::new(),
         markers: Vec::new(),
     };
-    let figure =
-        Figure { title: String::new(), panels: views.iter().map(panel).collect(), columns: 3 };
+    let figure = Figure { title: String::new(), panels: views.iter().map(panel).collect(), columns: 3 };
     Some(Picture {
         name: "thin".into(),
         png: figure.to_png(),
@@ -128,7 +124,11 @@ pub fn histogram_chart(findings: &Findings) -> Chart {
     let bars = bars.map(|bar| [100.0 * bar.low, 100.0 * bar.high, 100.0 * bar.part]).collect();
     Chart {
         title: "Histogram of the sizes of errors".into(),
-        x: ChartAxis { quantity: Quantity::new("size of the error", "% of the ball"), log: true, limits: Limits::Auto },
+        x: ChartAxis {
+            quantity: Quantity::new("size of the error", "% of the ball"),
+            log: true,
+            limits: Limits::Auto,
+        },
         y: ChartAxis { quantity: Quantity::new("points", "%"), log: false, limits: Limits::Auto },
         series: vec![Series { name: String::new(), colour: DISTINCT[0], data: Data::Bars(bars) }],
         marks: findings.verdict.allowed.map(allowed_at(At::X)).into_iter().collect(),
@@ -150,7 +150,11 @@ pub fn distance_chart(findings: &Findings) -> Chart {
             log: false,
             limits: Limits::Given([-2.0, 2.0]),
         },
-        y: ChartAxis { quantity: Quantity::new("size of the error", "% of the ball"), log: true, limits: Limits::Auto },
+        y: ChartAxis {
+            quantity: Quantity::new("size of the error", "% of the ball"),
+            log: true,
+            limits: Limits::Auto,
+        },
         series: vec![
             series("largest", DISTINCT[1], curve(&|bin| bin.max)),
             series("90 %", DISTINCT[3], curve(&|bin| bin.percentile_90)),

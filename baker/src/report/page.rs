@@ -94,8 +94,10 @@ fn volume(findings: &Findings) -> Section {
         distance_chart(findings).to_svg(),
         "Size of the error against the distance from the surface, against the verdict's reference.".into(),
     ));
-    blocks
-        .push(Block::Chart(histogram_chart(findings).to_svg(), "How many points have an error of which size.".into()));
+    blocks.push(Block::Chart(
+        histogram_chart(findings).to_svg(),
+        "How many points have an error of which size.".into(),
+    ));
     Section { title: "Volume".into(), blocks }
 }
 
@@ -202,7 +204,8 @@ fn places(findings: &Findings, thin: &ThinPlaces) -> Section {
             signs.disagreeing, signs.points
         );
         blocks.push(if signs.disagreeing == 0 { Block::Paragraph(text) } else { Block::Warning(text) });
-        let row = |(point, distance): &([f64; 3], f64)| vec![Cell::text(place(*point)), Cell::number(*distance)];
+        let row =
+            |(point, distance): &([f64; 3], f64)| vec![Cell::text(place(*point)), Cell::number(*distance)];
         if signs.disagreeing > 0 {
             blocks.push(Block::Table(Table {
                 caption: "Where the signs differ, the farthest from the surface first".into(),

@@ -44,7 +44,9 @@ impl Reference {
     /// In words.
     pub fn describe(self) -> String {
         match self {
-            Reference::Gl100Own => format!("{PAPER_RULE} on the asset's own distance (the paper's definition)"),
+            Reference::Gl100Own => {
+                format!("{PAPER_RULE} on the asset's own distance (the paper's definition)")
+            }
             Reference::FineOwn => format!("{FINE_RULE} (converged) on the asset's own distance"),
             Reference::Gl100Mesh => format!("{PAPER_RULE} on the exact distance to the mesh"),
             Reference::FineMesh => format!("{FINE_RULE} (converged) on the exact distance to the mesh"),

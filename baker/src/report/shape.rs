@@ -163,7 +163,9 @@ mod tests {
         let r = 0.3;
         let ball = 4.0 / 3.0 * PI * r * r * r;
         let rule = Rule::Chord(48).points();
-        for text in ["sphere:0,0,0,1", "inverted-sphere:0,0,0,1", "sphere:0,0,0,0.1", "halfspace:0,0,0.9,0,0,2"] {
+        for text in
+            ["sphere:0,0,0,1", "inverted-sphere:0,0,0,1", "sphere:0,0,0,0.1", "halfspace:0,0,0.9,0,0,2"]
+        {
             let shape: Shape = text.parse().unwrap();
             for step in 0..60 {
                 let x = DVec3::new(0.1, -0.05, 0.025 * f64::from(step));

@@ -82,8 +82,7 @@ fn slice(
             .collect(),
     };
     let error = |pixel: &PixelValues| (pixel.volume - pixel.paper) / model.ball;
-    let errors =
-        all.iter().zip(lattice.points()).filter(|(pixel, _)| matches!(pixel.known, Pixel::Value(_)));
+    let errors = all.iter().zip(lattice.points()).filter(|(pixel, _)| matches!(pixel.known, Pixel::Value(_)));
     let errors = errors.map(|(pixel, point)| (point, error(pixel)));
     ErrorSlice {
         worst: errors.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())),

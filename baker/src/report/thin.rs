@@ -36,13 +36,8 @@ pub enum Thin {
 
 impl Thin {
     /// The worst last.
-    pub const ALL: [Thin; 5] = [
-        Thin::Nothing,
-        Thin::GapBelowRadius,
-        Thin::GapBelowCell,
-        Thin::WallBelowRadius,
-        Thin::WallBelowCell,
-    ];
+    pub const ALL: [Thin; 5] =
+        [Thin::Nothing, Thin::GapBelowRadius, Thin::GapBelowCell, Thin::WallBelowRadius, Thin::WallBelowCell];
 
     /// In words.
     pub fn describe(self) -> &'static str {

@@ -65,7 +65,10 @@ fn nearest(solid: &Solid, lattice: &PixelLattice, axis: Axis) -> Vec<Option<(DVe
 }
 
 /// Pixels whose centres may lie in a triangle.
-fn pixels_of<'a>(lattice: &'a PixelLattice, flat: &[[f64; 2]; 3]) -> impl Iterator<Item = [usize; 2]> + use<'a> {
+fn pixels_of<'a>(
+    lattice: &'a PixelLattice,
+    flat: &[[f64; 2]; 3],
+) -> impl Iterator<Item = [usize; 2]> + use<'a> {
     let range = |side: usize| {
         let place = |x: f64| (x - lattice.low[side]) / lattice.pixel - 0.5;
         let low = flat.iter().map(|p| place(p[side])).fold(f64::INFINITY, f64::min);

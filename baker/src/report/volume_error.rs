@@ -131,8 +131,7 @@ fn sample(
     let [paper, fine] = own.both(x, block);
     let exact = exact.filter(|_| number < measuring.mesh_points);
     let fine_mesh = exact.map(|exact| exact.fine(x, near));
-    let paper_mesh =
-        exact.filter(|_| number < measuring.gl100_mesh_points).map(|exact| exact.paper(x, near));
+    let paper_mesh = exact.filter(|_| number < measuring.gl100_mesh_points).map(|exact| exact.paper(x, near));
     let shape = measuring.shape.map(|shape| shape_volume(&shape, model.radius, x));
     let parts = (number < measuring.mesh_points)
         .then(|| parts(model, own, (x, found.volume), [Some(fine), fine_mesh], block))
@@ -182,11 +181,6 @@ impl VolumeSample {
     /// Against a reference, where it was computed.
     pub fn against(&self, reference: Reference) -> Option<Measurement> {
         let right = self.references[reference as usize]?;
-        Some(Measurement {
-            point: self.point,
-            distance: self.distance,
-            value: self.volume,
-            reference: right,
-        })
+        Some(Measurement { point: self.point, distance: self.distance, value: self.volume, reference: right })
     }
 }

@@ -8,10 +8,10 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use volmap_baker::input::{self, Input};
+use volmap_baker::provenance;
 use volmap_baker::report::findings::Findings;
 use volmap_baker::report::page::page;
 use volmap_baker::report::{Report, report};
-use volmap_baker::provenance;
 use volmap_formats::asset::{self, Asset};
 
 /// Measures an asset and writes the report; the exit code says whether it passed.

@@ -76,6 +76,8 @@ pub struct Block {
     size: IVec3,
     cells: Vec<BlockCell>,
     monomials: Vec<[f64; NODES]>,
+    /// Room for a layer of cells.
+    layer: Vec<Surface>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -83,13 +85,6 @@ struct BlockCell {
     content: Content,
     /// In the block's monomials, if the content is mixed.
     number: u32,
-}
-
-impl Block {
-    fn cell(&self, at: IVec3) -> BlockCell {
-        let IVec3 { x, y, z } = at - self.low;
-        self.cells[(x + self.size.x * (y + self.size.y * z)) as usize]
-    }
 }
 
 impl<'a> Integrator<'a> {
@@ -108,11 +103,13 @@ impl<'a> Integrator<'a> {
         if kind(Content::Zero) {
             return [0.0; N];
         }
-        let all_solid = kind(Content::One);
-        rules.map(|rule| match all_solid {
-            true => cube * rule.ball_volume(),
-            false => cube * integral(rule, block, place, reach),
-        })
+        if kind(Content::One) {
+            return rules.map(|rule| cube * rule.ball_volume());
+        }
+        let mut layer = std::mem::take(&mut block.layer);
+        let volumes = rules.map(|rule| cube * integral(rule, block, place, reach, &mut layer));
+        block.layer = layer;
+        volumes
     }
 
     /// Looks the cells from `low` to `high` up, unless the block holds these.
@@ -158,32 +155,55 @@ impl<'a> Integrator<'a> {
 }
 
 /// Integral of gamma* over the unit ball around a place, which is in cells of the grid, as is the radius.
-fn integral(rule: &LineRule, block: &Block, place: DVec3, reach: DVec3) -> f64 {
+fn integral(rule: &LineRule, block: &Block, place: DVec3, reach: DVec3, layer: &mut Vec<Surface>) -> f64 {
     let mut sum = 0.0;
-    for line in &rule.lines {
-        let (y, z) = (place.y + reach.y * line.y, place.z + reach.z * line.z);
-        let (j, k) = (y.floor(), z.floor());
-        let across = [2.0 * (y - j) - 1.0, 2.0 * (z - k) - 1.0];
-        let mut at = line.first;
-        while at < line.end {
-            let i = (place.x + reach.x * rule.x[at]).floor();
-            let points = &rule.x[at..line.end];
-            // Rounding may take a point to the cell before; there it is as good.
-            let count = points.iter().take_while(|x| place.x + reach.x * **x < i + 1.0).count().max(1);
-            let cell = block.cell(DVec3::new(i, j, k).as_ivec3());
-            match cell.content {
-                Content::Zero => {}
-                Content::One => sum += rule.summed[at + count] - rule.summed[at],
-                Content::Mixed => {
-                    let cubic = cubic_on_line(&block.monomials[cell.number as usize], across);
-                    let offset = 2.0 * (place.x - i) - 1.0;
-                    sum += on_line(&cubic, offset, 2.0 * reach.x, (&points[..count], &rule.weight[at..]));
-                }
-            }
-            at += count;
+    for lines in rule.lines.chunk_by(|a, b| a.z == b.z) {
+        let z = place.z + reach.z * lines[0].z;
+        let k = floor(z);
+        block.cut(k as i32, 2.0 * (z - k) - 1.0, layer);
+        for line in lines {
+            let y = place.y + reach.y * line.y;
+            let j = floor(y);
+            let row = (j as i32 - block.low.y) * block.size.x - block.low.x;
+            let local = 2.0 * (y - j) - 1.0;
+            sum += along_line(rule, *line, (place.x, reach.x), |i| (&layer[(row + i) as usize], local));
         }
     }
     sum
+}
+
+/// The same over a line, given what is in its i-th cell.
+fn along_line<'a>(
+    rule: &LineRule,
+    line: Line,
+    (place, reach): (f64, f64),
+    cell: impl Fn(i32) -> (&'a Surface, f64),
+) -> f64 {
+    let mut sum = 0.0;
+    let mut at = line.first;
+    while at < line.end {
+        let i = floor(place + reach * rule.x[at]);
+        let points = &rule.x[at..line.end];
+        // Rounding may take a point to the cell before; there it is as good.
+        let count = points.iter().take_while(|x| place + reach * **x < i + 1.0).count().max(1);
+        match cell(i as i32) {
+            (Surface::Zero, _) => {}
+            (Surface::One, _) => sum += rule.summed[at + count] - rule.summed[at],
+            (Surface::Mixed(surface), y) => {
+                let cubic = cubic_on_line(surface, y);
+                let offset = 2.0 * (place - i) - 1.0;
+                sum += on_line(&cubic, offset, 2.0 * reach, (&points[..count], &rule.weight[at..]));
+            }
+        }
+        at += count;
+    }
+    sum
+}
+
+/// The function of the mathematical library isn't inlined for the baseline of x86-64.
+fn floor(x: f64) -> f64 {
+    let towards_zero = x as i64 as f64;
+    if towards_zero > x { towards_zero - 1.0 } else { towards_zero }
 }
 
 /// Sum of gamma* at offset + scale x, by Eq. 13 in truncated powers (as in `kernel`).
@@ -199,17 +219,41 @@ fn on_line([c0, c1, c2, c3]: &[f64; 4], offset: f64, scale: f64, (points, weight
     2.0 * outer - 8.0 * inner
 }
 
-/// The coefficients of 1, x, x^2, x^3 at constant y and z; the monomials are listed in `kernel`.
-fn cubic_on_line(m: &[f64; NODES], [y, z]: [f64; 2]) -> [f64; 4] {
-    let pair = |at: usize| m[at] + m[at + 1] * y + (m[at + 2] + m[at + 3] * y) * z;
-    let side = |a: usize| {
-        let in_y = |c: usize| {
-            m[a + 4 * c] + y * (m[a + 2 + 4 * c] + y * (m[16 + a + 2 * c] + y * m[20 + a + 2 * c]))
+/// What is known of a cell at constant z: gamma* is 0 or 1, or s is a polynomial of x and y: coefficients of 1, y, y^2,
+/// y^3, the same times x, and of x^2, x^2 y, x^3, x^3 y.
+#[derive(Clone, Copy, Debug)]
+enum Surface {
+    Zero,
+    One,
+    Mixed([f64; 12]),
+}
+
+impl Block {
+    /// Cuts the cells of layer k at z, in [-1, 1].
+    fn cut(&self, k: i32, z: f64, layer: &mut Vec<Surface>) {
+        let size = (self.size.x * self.size.y) as usize;
+        let cells = &self.cells[(k - self.low.z) as usize * size..][..size];
+        let surface = |cell: &BlockCell| match cell.content {
+            Content::Zero => Surface::Zero,
+            Content::One => Surface::One,
+            Content::Mixed => Surface::Mixed(surface_at(&self.monomials[cell.number as usize], z)),
         };
-        let in_z = |at: usize| m[at + a] + m[at + a + 2] * y;
-        in_y(0) + z * (in_y(1) + z * (in_z(24) + z * in_z(28)))
-    };
-    [side(0), side(1), pair(8), pair(12)]
+        layer.clear();
+        layer.extend(cells.iter().map(surface));
+    }
+}
+
+/// The monomials are listed in `kernel`.
+fn surface_at(m: &[f64; NODES], z: f64) -> [f64; 12] {
+    let base = |at: usize| m[at] + z * (m[at + 4] + z * (m[24 + at] + z * m[28 + at]));
+    let low = |at: usize| m[at] + z * m[at + 2];
+    [base(0), base(2), low(16), low(20), base(1), base(3), low(17), low(21), low(8), low(9), low(12), low(13)]
+}
+
+/// The coefficients of 1, x, x^2, x^3 at constant y.
+fn cubic_on_line(c: &[f64; 12], y: f64) -> [f64; 4] {
+    let cubic = |at: usize| c[at] + y * (c[at + 1] + y * (c[at + 2] + y * c[at + 3]));
+    [cubic(0), cubic(4), c[8] + y * c[9], c[10] + y * c[11]]
 }
 
 #[cfg(test)]
