@@ -82,6 +82,7 @@ pub fn asset_of(plan: &Plan, settings: &Settings, maps: Maps) -> Asset {
         solid_cells: maps.cells.solid,
         signed_distance: Array::F64(maps.distance),
         volume: Array::F64(maps.volume),
+        density: None,
         bake: Attributes::new(),
         source: Attributes::new(),
         diagnosis: Attributes::new(),

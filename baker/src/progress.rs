@@ -124,6 +124,7 @@ fn describe(step: Step) -> (&'static str, Option<Work>) {
         Step::Field(Stage::Band(work)) => ("finding the band", Some(work)),
         Step::Field(Stage::Distance(work)) => ("sampling the distance", Some(work)),
         Step::Field(Stage::Volume(work)) => ("integrating the volume", Some(work)),
+        Step::Field(Stage::Density(work)) => ("computing the density", Some(work)),
         Step::CheckSign => ("comparing the signs", None),
     }
 }

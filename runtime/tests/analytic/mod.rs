@@ -52,6 +52,7 @@ pub fn asset(
         solid_cells,
         signed_distance: Array::F64(places.iter().map(|&x| phi(x)).collect()),
         volume: Array::F64(places.iter().map(|&x| v(x)).collect()),
+        density: None,
         bake: Attributes::default(),
         source: Attributes::default(),
         diagnosis: Attributes::default(),
