@@ -145,7 +145,7 @@ pub fn bake(
     };
     let (plan, mut maps, tolerance) = fields(&problem, settings, &mut enter)?;
     if let Some(density) = &settings.map.density {
-        maps.density = Some(compute_density(&plan, density, &phi, &maps.nodes, &mut enter)?);
+        maps.density = Some(compute_density(&plan, density, &phi, &maps, &mut enter)?);
     }
     clock.lap(stage_name);
     let sign_comparison = settings.check_sign.then(|| {

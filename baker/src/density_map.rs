@@ -13,11 +13,12 @@
 //! of a half space is 1 - Phi / r wherever Phi <= -r, its gradient doesn't vanish there, and what a ball needs of Phi
 //! reaches r deeper than the band.
 
+mod cells;
 pub mod oracle;
 pub mod smoothing;
 
 use crate::error::Error;
-use crate::maps::{Stage, numbered};
+use crate::maps::{Maps, Stage, numbered};
 use crate::plan::{self, Plan};
 use crate::sdf::band::find_band;
 use crate::sdf::field::{DistanceField, values};
@@ -25,6 +26,7 @@ use crate::sdf::{KnownDistance, SignedDistance};
 use crate::volume_map::lattice::LatticeRule;
 use crate::volume_map::quadrature::{Point, Rule};
 use crate::work::Work;
+use cells::{copy, without};
 use glam::{DVec3, UVec3};
 use smoothing::Smoothing;
 use volmap_formats::asset::{Array, DensityField, Exterior};
@@ -35,7 +37,8 @@ use volmap_runtime::{Grid, Nodes};
 pub struct DensitySettings {
     /// The SPH kernel W, whose support radius is the map's.
     pub kernel: Smoothing,
-    /// How the density is integrated.
+    /// How the density is integrated. W vanishes at the edge of the ball, so the Gauss-Legendre rules, whose error
+    /// comes from there, are better here than those made for the ball.
     pub rule: Rule,
     /// Where gamma becomes 0, in support radii: 1 in Eq. 11; SPlisHSPlasH takes 1/5.
     pub extension: f64,
@@ -43,7 +46,7 @@ pub struct DensitySettings {
 
 impl Default for DensitySettings {
     fn default() -> Self {
-        DensitySettings { kernel: Smoothing::default(), rule: Rule::default(), extension: 1.0 }
+        DensitySettings { kernel: Smoothing::default(), rule: Rule::GaussLegendre(30), extension: 1.0 }
     }
 }
 
@@ -74,8 +77,8 @@ impl DensitySettings {
     }
 }
 
-/// Boundary density over rest density at the nodes of a planned map. `enter` is called at the beginning of each of
-/// three stages: cells, distance, density.
+/// Boundary density over rest density at the nodes of the maps. `enter` is called at the beginning of each of three
+/// stages: cells, distance, density.
 ///
 /// # Errors
 /// More cells or nodes than can be numbered.
@@ -83,39 +86,53 @@ pub fn compute_density(
     plan: &Plan,
     settings: &DensitySettings,
     phi: &impl SignedDistance,
-    nodes: &Nodes,
+    maps: &Maps,
     enter: &mut dyn FnMut(Stage),
 ) -> Result<Vec<f64>, Error> {
     let is_cut = plan.margin != UVec3::ZERO || plan.exterior == Exterior::Solid;
     let margin = if is_cut { plan::margin(&plan.grid, plan.support_radius)? } else { UVec3::ZERO };
-    let field = deep_field(&plan.grown(margin), plan, settings, phi, enter)?;
-    let work = Work::new(nodes.count() as u64);
-    enter(Stage::Density(work.clone()));
     let length = settings.extension * plan.support_radius;
+    let field = deep_field(plan, margin, length, &Known { phi, maps }, enter)?;
+    let work = Work::new(maps.nodes.count() as u64);
+    enter(Stage::Density(work.clone()));
     let rule = LatticeRule::for_density(&settings.points(), plan.support_radius, plan.grid.cell_size, length);
-    Ok(rule.integrals(&field, nodes, margin, &work))
+    Ok(rule.integrals(&field, &maps.nodes, margin, &work))
+}
+
+/// A distance, and what is known of it.
+struct Known<'a, D> {
+    phi: &'a D,
+    maps: &'a Maps,
 }
 
 /// Phi wherever a ball around a node of the band needs it: gamma > 0, and r deeper than the band.
 fn deep_field(
-    grid: &Grid,
     plan: &Plan,
-    settings: &DensitySettings,
-    phi: &impl SignedDistance,
+    margin: UVec3,
+    length: f64,
+    known: &Known<impl SignedDistance>,
     enter: &mut dyn FnMut(Stage),
 ) -> Result<DistanceField, Error> {
-    let deep = deepest(grid, plan.support_radius);
-    let length = settings.extension * plan.support_radius;
+    let grid = plan.grown(margin);
+    let deep = deepest(&grid, plan.support_radius);
     let work = Work::new(grid.resolution.as_u64vec3().element_product());
     enter(Stage::Density(work.clone()));
     // The band -deep .. length is one around another surface.
-    let moved = Moved { phi, by: 0.5 * (deep - length) };
-    let cells = find_band(grid, 0.5 * (deep + length), &moved, &work);
+    let moved = Moved { phi: known.phi, by: 0.5 * (deep - length) };
+    let cells = find_band(&grid, 0.5 * (deep + length), &moved, &work);
     let nodes = numbered(grid.resolution, &cells)?;
-    let work = Work::new(nodes.count() as u64);
+    // On the map's own lattice only the cells beyond its band are new.
+    let shared = margin == UVec3::ZERO;
+    let new_cells = if shared { without(&cells.band, &known.maps.cells.band) } else { cells.band.clone() };
+    let new_nodes = Nodes::new(grid.resolution, &new_cells).unwrap_or_else(|| unreachable!("fewer than all"));
+    let work = Work::new(new_nodes.count() as u64);
     enter(Stage::Density(work.clone()));
-    let values = values(grid, &nodes, phi, &work);
-    Ok(DistanceField::new(*grid, &cells, &nodes, plan.exterior, values))
+    let mut all = vec![0.0; nodes.count()];
+    copy(&new_nodes, &values(&grid, &new_nodes, known.phi, &work), &nodes, &mut all);
+    if shared {
+        copy(&known.maps.nodes, &known.maps.distance, &nodes, &mut all);
+    }
+    Ok(DistanceField::new(grid, &cells, &nodes, plan.exterior, all))
 }
 
 /// No ball around a node of the band reaches deeper, metres: 2 r to the band's edge, at most 1.3 diagonals of a cell to

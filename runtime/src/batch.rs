@@ -432,7 +432,7 @@ mod analytic;
 
 #[cfg(test)]
 mod tests {
-    use super::analytic::{Random, asset, single};
+    use super::analytic::{Random, asset, single, with_density};
     use super::*;
     use volmap_formats::asset::{CellRun, GridSpec};
 
@@ -441,7 +441,7 @@ mod tests {
         let grid = GridSpec { origin: [-1.0, -2.0, 0.5], cell_size: [0.3, 0.2, 0.25], resolution: [5, 4, 3] };
         let band = (0..12).map(|row| CellRun { i: row % 2, j: row % 4, k: row / 4, len: 3 }).collect();
         let wave = |x: DVec3| (x.x * 5.0 + x.y * 7.0).sin() + x.z * x.z;
-        let double = asset(grid, [band, Vec::new()], wave, |x| 0.01 * wave(x));
+        let double = with_density(asset(grid, [band, Vec::new()], wave, |x| 0.01 * wave(x)), 300.0);
         for asset in [single(&double), double] {
             let map = VolumeMap::from_asset(&asset).unwrap();
             let mut random = Random(9);
@@ -457,6 +457,10 @@ mod tests {
             assert!((1_000..points.len()).contains(&near), "{near}");
             let bits = |samples: &[Sample]| format!("{samples:?}");
             assert_eq!(bits(&wide), bits(&plain));
+            let (mut wide, mut others) = (vec![None::<Density>; points.len()], vec![None; points.len()]);
+            answer_all(&map, &points, &mut wide);
+            All { map: &map, points: &points, out: &mut others }.run::<Plain>();
+            assert_eq!(format!("{wide:?}"), format!("{others:?}"));
             for (&point, &expected) in points.iter().zip(&plain) {
                 let mut alone = Sample::Outside;
                 All { map: &map, points: &[point], out: std::slice::from_mut(&mut alone) }.run::<Plain>();

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Reads volmap assets (HDF5, format version 1): load(path).sample(points).
+"""Reads volmap assets (HDF5, format versions 1 and 2): load(path).sample(points).
 
 Written from SPEC.md alone; it shares no code with the Rust reader. Section numbers are SPEC.md's.
 Needs numpy, h5py, hdf5plugin and blake3. Command line:
