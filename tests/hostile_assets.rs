@@ -117,7 +117,7 @@ fn originals() -> [Original; 6] {
         original("zstd i16", in_16_bits(sphere(8, &outside)), Compression::Zstd(5)),
         // Two chunks a field, so with chunk indexes.
         original("large", in_single_precision(sphere(32, &outside)), Compression::Zstd(3)),
-        original("density", in_single_precision(sphere(7, &dense)), Compression::Zstd(3)),
+        original("density", in_single_precision(sphere(6, &dense)), Compression::Zstd(3)),
     ]
 }
 

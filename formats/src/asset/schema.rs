@@ -315,6 +315,7 @@ impl<'a> Reader<'a> {
 
 #[cfg(all(test, feature = "write"))]
 mod tests {
+    use super::super::DensityField;
     use super::*;
 
     fn asset() -> Asset {
@@ -339,6 +340,64 @@ mod tests {
         change(&mut tree);
         tree.seal();
         asset_from_tree(tree).err().map(|error| error.to_string())
+    }
+
+    fn density() -> Option<DensityField> {
+        Some(DensityField {
+            kernel: "cubic_spline".into(),
+            extension_length: 0.1,
+            quadrature: "gl4".into(),
+            degree: 4,
+            points: 19,
+            kernel_integral: 1.01,
+            values: Array::F64(vec![0.75; 32]),
+        })
+    }
+
+    #[test]
+    fn only_assets_with_a_density_are_of_version_2() {
+        for (density, version) in [(None, 1u64), (density(), 2)] {
+            let asset = Asset { density, ..asset() };
+            let tree = tree_from_asset(&asset);
+            assert_eq!(tree.groups["/"]["format_version"], version.into());
+            assert_eq!(tree.datasets.contains_key(DENSITY), version == 2);
+            assert_eq!(check_format(&tree.groups["/"]).unwrap().contains(&DENSITY), version == 2);
+            assert_eq!(asset_from_tree(tree).unwrap(), asset);
+        }
+        for version in [Value::from(0u64), 3u64.into(), Value::Integer(vec![1, 1]), 1.0.into()] {
+            let root = attributes([("format", FORMAT_NAME.into()), ("format_version", version)]);
+            assert!(check_format(&root).is_err());
+        }
+    }
+
+    #[test]
+    fn attributes_of_a_density_are_refused_by_name() {
+        let error = |name: &str, value: Option<Value>| {
+            let mut tree = tree_from_asset(&Asset { density: density(), ..asset() });
+            let attributes = &mut tree.datasets.get_mut(DENSITY).unwrap().attributes;
+            match value {
+                Some(value) => attributes.insert(name.into(), value),
+                None => attributes.remove(name),
+            };
+            tree.seal();
+            asset_from_tree(tree).err().map(|error| error.to_string())
+        };
+        let bad: [(&str, Value); 7] = [
+            ("kernel", 1u64.into()),
+            ("extension_function", "cubic_spline".into()),
+            ("extension_length", 0.0.into()),
+            ("quadrature", 1.0.into()),
+            ("degree", u64::MAX.into()),
+            ("points", "19".into()),
+            ("kernel_integral", f64::NAN.into()),
+        ];
+        for (name, value) in bad {
+            for value in [None, Some(value)] {
+                let error = error(name, value).unwrap();
+                assert!(error.contains(&format!("{DENSITY}@{name}")), "{error}");
+            }
+        }
+        assert_eq!(error("units", None), None);
     }
 
     #[test]
