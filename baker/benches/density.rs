@@ -7,10 +7,15 @@ mod shapes;
 
 use glam::DVec3;
 use shapes::{SHAPES, points};
-use volmap_baker::density_map::DensitySettings;
+use volmap_baker::density_map::cost::{Cost, Costs, measure, paper_settings, unit_cube};
 use volmap_baker::density_map::oracle::density;
 use volmap_baker::density_map::smoothing::Smoothing;
+use volmap_baker::density_map::{DensitySettings, compute_density};
+use volmap_baker::maps::compute_maps;
+use volmap_baker::plan::{Extent, plan};
 use volmap_baker::volume_map::quadrature::Rule;
+use volmap_runtime::serendipity::shape_and_gradient;
+use volmap_runtime::{Cell, CellIndex};
 
 const RULES: [&str; 11] =
     ["gl30", "gl50", "gl100", "ball5", "ball6", "ball8", "ball10", "chord6", "chord8", "chord10", "chord12"];
@@ -49,6 +54,72 @@ fn rules(kernel: Smoothing) {
     }
 }
 
+/// Seconds and bytes on the unit cube, medians of three runs that take turns, one thread.
+fn costs() {
+    const RESOLUTIONS: [u32; 3] = [10, 20, 60];
+    let mut runs: Vec<Vec<Costs>> = vec![Vec::new(); RESOLUTIONS.len()];
+    for _ in 0..3 {
+        for (resolution, own) in RESOLUTIONS.iter().zip(&mut runs) {
+            own.push(measure(&unit_cube(), &paper_settings(*resolution)).expect("maps"));
+        }
+    }
+    let median = |own: &[Costs], of: fn(&Costs) -> Cost| {
+        let mut costs: Vec<Cost> = own.iter().map(of).collect();
+        costs.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
+        costs[costs.len() / 2]
+    };
+    println!("| cells | kind | s | kB, ours | kB, the paper's way | largest jump of the gradient |");
+    println!("| --- | --- | --- | --- | --- | --- |");
+    for (resolution, own) in RESOLUTIONS.iter().zip(&runs) {
+        let [volume, density] = [median(own, |c| c.volume), median(own, |c| c.density)];
+        let jump = format!("{:.2} %", 100.0 * jump(*resolution));
+        for (kind, cost, jump) in [("volume", volume, "none"), ("density", density, jump.as_str())] {
+            let [bytes, paper] = [cost.bytes, cost.paper_bytes].map(|bytes| bytes as f64 / 1e3);
+            println!("| {resolution}^3 | {kind} | {:.4} | {bytes:.0} | {paper:.0} | {jump} |", cost.seconds);
+        }
+    }
+    let (volume, density) = (median(&runs[0], |c| c.volume), median(&runs[2], |c| c.density));
+    println!(
+        "density at 60^3 to volume at 10^3: {:.0} times the time, {:.0} times the bytes, {:.0} the paper's way",
+        density.seconds / volume.seconds,
+        density.bytes as f64 / volume.bytes as f64,
+        density.paper_bytes as f64 / volume.paper_bytes as f64
+    );
+}
+
+/// Largest jump of the density's slope from cell to cell on a line from a face of the unit cube up to r, as a part of
+/// its largest slope there.
+fn jump(resolution: u32) -> f64 {
+    let settings = paper_settings(resolution);
+    let half = DVec3::splat(0.5);
+    let plan = plan(&Extent { min: -half, max: half, area: 6.0 }, &settings).expect("a plan");
+    let cube = |x: DVec3| {
+        let q = x.abs() - half;
+        q.max(DVec3::ZERO).length() + q.max_element().min(0.0)
+    };
+    let mut maps = compute_maps(&plan, Rule::Chord(4), &cube, &mut |_| ()).expect("maps");
+    let density = settings.density.expect("a density");
+    maps.density = Some(compute_density(&plan, &density, &cube, &maps, &mut |_| ()).expect("a density"));
+    let cells = CellIndex::new(plan.grid.resolution, &maps.cells.band, &maps.cells.solid, &maps.nodes);
+    let values = maps.density.expect("a density");
+    let slope = |z: f64| {
+        let at = plan.grid.locate(DVec3::new(0.013, 0.027, z)).expect("in the domain");
+        let Cell::Band(numbers) = cells.find(at.cell) else { return 0.0 };
+        let (_, gradients) = shape_and_gradient(at.xi);
+        let terms = gradients.iter().zip(numbers.all()).map(|(g, number)| g.z * values[number as usize]);
+        terms.sum::<f64>() * 2.0 / plan.grid.cell_size.z
+    };
+    let faces = (0..=resolution).map(|k| plan.grid.origin.z + plan.grid.cell_size.z * f64::from(k));
+    let faces = faces.filter(|z| (0.5..0.6).contains(z));
+    let largest = (0..100).map(|n| slope(0.5 + 0.001 * f64::from(n)).abs()).fold(0.0, f64::max);
+    faces.map(|z| (slope(z - 1e-9) - slope(z + 1e-9)).abs()).fold(0.0, f64::max) / largest
+}
+
+/// `cargo bench ... -- costs` leaves the table of rules out.
 fn main() {
-    [Smoothing::CubicSpline, Smoothing::WendlandC2].into_iter().for_each(rules);
+    rayon::ThreadPoolBuilder::new().num_threads(1).build_global().expect("a thread");
+    costs();
+    if !std::env::args().any(|argument| argument == "costs") {
+        [Smoothing::CubicSpline, Smoothing::WendlandC2].into_iter().for_each(rules);
+    }
 }

@@ -3,6 +3,7 @@
 //!
 //! - [`smoothing`]: the SPH kernels W that a density map is made for;
 //! - [`oracle`]: Eq. 9 at any point, plain and slow;
+//! - [`cost`]: what a density map costs beside a volume map;
 //! - here: Eq. 9 at the nodes of a volume map, by the lattice of [`crate::volume_map`].
 //!
 //! ```text
@@ -14,6 +15,7 @@
 //! reaches r deeper than the band.
 
 mod cells;
+pub mod cost;
 pub mod oracle;
 pub mod smoothing;
 
