@@ -40,7 +40,7 @@ pub struct DensitySettings {
     /// The SPH kernel W, whose support radius is the map's.
     pub kernel: Smoothing,
     /// How the density is integrated. W vanishes at the edge of the ball, so the Gauss-Legendre rules, whose error
-    /// comes from there, are better here than those made for the ball.
+    /// comes from there, are better here than those made for the ball; and a gradient takes an exact rule.
     pub rule: Rule,
     /// Where gamma becomes 0, in support radii: 1 in Eq. 11; SPlisHSPlasH takes 1/5.
     pub extension: f64,
@@ -48,7 +48,7 @@ pub struct DensitySettings {
 
 impl Default for DensitySettings {
     fn default() -> Self {
-        DensitySettings { kernel: Smoothing::default(), rule: Rule::GaussLegendre(30), extension: 1.0 }
+        DensitySettings { kernel: Smoothing::default(), rule: Rule::GaussLegendre(50), extension: 1.0 }
     }
 }
 
