@@ -96,7 +96,7 @@ pub struct BakeArguments {
     #[arg(long, value_name = "KERNEL", default_value = "cubic", requires = "density", help_heading = "Map")]
     kernel: Smoothing,
     /// Rule of the density's integral, as --quadrature (gl50 is the paper's)
-    #[arg(long, value_name = "RULE", default_value_t, requires = "density", help_heading = "Map")]
+    #[arg(long, value_name = "RULE", default_value_t = DensitySettings::default().rule, requires = "density", help_heading = "Map")]
     density_quadrature: Rule,
 
     /// How inside and outside are told apart

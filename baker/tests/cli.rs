@@ -437,6 +437,9 @@ fn a_density_is_baked_shown_and_asked_for() {
     assert_eq!(json[0]["density"], rows[1][12].parse::<f64>().unwrap());
     assert_eq!(json[0]["density_gradient"][0], rows[1][13].parse::<f64>().unwrap());
 
+    let mut default = volmap(&folder);
+    default.arg("bake").arg(data("duck.obj")).args(["--resolution", "8", "--density"]);
+    assert!(output(&mut default).contains("kernel cubic_spline, by gl50"));
     let mut rounded = volmap(&folder);
     rounded.arg("bake").arg(data("duck.obj")).args(options).args(["--max-rounding", "0.1%"]);
     let summary = output(&mut rounded);
