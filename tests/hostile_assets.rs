@@ -14,10 +14,11 @@ use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Mutex, MutexGuard};
 use std::time::{Duration, Instant};
+use volmap_baker::density_map::DensitySettings;
 use volmap_baker::plan::Settings;
 use volmap_baker::volume_map::quadrature::Rule;
-use volmap_formats::asset::{self, Array, Asset, AssetError, CellRun, Compression, Rounded};
-use volmap_runtime::{DVec3, Error, Sample, VolumeMap};
+use volmap_formats::asset::{self, Array, Asset, AssetError, CellRun, Compression, DensityField, Rounded};
+use volmap_runtime::{DVec3, Density, Error, Sample, VolumeMap};
 use volmap_tests::{Random, SPHERE, asset_of, compute};
 
 #[global_allocator]
@@ -38,7 +39,7 @@ struct Original {
     file: Vec<u8>,
     checksums: Checksums,
     asset: Asset,
-    samples: Vec<Sample>,
+    samples: Vec<Answer>,
 }
 
 impl Original {
@@ -75,6 +76,9 @@ fn single(array: &Array) -> Array {
 fn in_single_precision(mut asset: Asset) -> Asset {
     asset.signed_distance = single(&asset.signed_distance);
     asset.volume = single(&asset.volume);
+    if let Some(density) = &mut asset.density {
+        density.values = single(&density.values);
+    }
     asset
 }
 
@@ -102,9 +106,10 @@ fn original(name: &'static str, asset: Asset, compression: Compression) -> Origi
     Original { name, checksums: Checksums::find(&file), file, asset, samples }
 }
 
-fn originals() -> [Original; 5] {
+fn originals() -> [Original; 6] {
     let outside = Settings::default();
     let container = Settings { invert: true, ..Settings::default() };
+    let dense = Settings { density: Some(DensitySettings::default()), ..Settings::default() };
     [
         original("zstd f32", in_single_precision(sphere(8, &outside)), Compression::Zstd(9)),
         original("gzip f64", sphere(6, &outside), Compression::Gzip(6)),
@@ -112,15 +117,20 @@ fn originals() -> [Original; 5] {
         original("zstd i16", in_16_bits(sphere(8, &outside)), Compression::Zstd(5)),
         // Two chunks a field, so with chunk indexes.
         original("large", in_single_precision(sphere(32, &outside)), Compression::Zstd(3)),
+        original("density", in_single_precision(sphere(6, &dense)), Compression::Zstd(3)),
     ]
 }
 
+/// All that a map says of a point.
+type Answer = (Sample, Option<Density>);
+
 /// 64 fixed points in and around the domain.
-fn samples(map: &VolumeMap) -> Vec<Sample> {
+fn samples(map: &VolumeMap) -> Vec<Answer> {
     let mut random = Random(64);
     let (low, high) = (map.grid().origin, map.grid().max_corner());
     let margin = DVec3::splat(0.1);
-    (0..64).map(|_| map.sample(random.point(low - margin, high + margin))).collect()
+    let points = (0..64).map(|_| random.point(low - margin, high + margin));
+    points.map(|x| (map.sample(x), map.density(x))).collect()
 }
 
 /// The kind of an error; its message must tell something.
@@ -212,7 +222,11 @@ fn checksums_made_anew_are_the_old_ones() {
     for original in originals() {
         let [metadata, chunks] = original.checksums.counts();
         assert_eq!(metadata, signatures(&original.file).len(), "{}", original.name);
-        let expected = if original.name == "large" { 6 } else { 4 };
+        let expected = match original.name {
+            "large" => 6,
+            "density" => 5,
+            _ => 4,
+        };
         assert_eq!(chunks, expected, "{}", original.name);
         let mut renewed = original.file.clone();
         for part in original.checksums.metadata().chain(original.checksums.chunks()) {
@@ -230,7 +244,7 @@ fn damaged_assets_are_refused_or_unchanged() {
     let (mut plain, mut renewed) = (Tally::default(), Tally::default());
     for original in originals() {
         let target = Target::new(&original.file, &original.checksums);
-        let cases = if original.name == "large" { CASES / 10 } else { CASES / 4 };
+        let cases = if original.name == "large" { CASES / 10 } else { CASES / 5 };
         for case in 0..cases {
             let (mut bytes, what) = target.mutate(&mut seed(case));
             let described = || format!("seed {case}, {}", NAMES[what]);
@@ -263,9 +277,9 @@ fn damaged_assets_are_refused_or_unchanged() {
 fn every_byte_of_the_metadata_counts_or_means_nothing() {
     let _alone = alone();
     let mut tally = Tally::default();
-    let [_, _, single, rounded, _] = originals();
+    let [_, _, single, rounded, _, dense] = originals();
     let places = |original| Original::metadata(original).map(move |at| (original, at));
-    for (original, at) in places(&single).chain(places(&rounded)) {
+    for (original, at) in places(&single).chain(places(&rounded)).chain(places(&dense)) {
         for change in [0x01, 0xFF] {
             let mut bytes = original.file.clone();
             bytes[at] ^= change;
@@ -333,6 +347,43 @@ const INCONSISTENT_IN_16_BITS: [Change; 9] = [
     ("mixed precision", |a| a.volume = Array::F32(vec![0.0; a.volume.len()])),
 ];
 
+fn density(asset: &mut Asset) -> &mut DensityField {
+    asset.density.as_mut().expect("a density")
+}
+
+/// The same for a density.
+const INCONSISTENT_DENSITY: [Change; 7] = [
+    ("one density less", |a| _ = numbers(&mut density(a).values).pop()),
+    ("one density more", |a| numbers(&mut density(a).values).push(0.0)),
+    ("no densities", |a| density(a).values = Array::F32(Vec::new())),
+    ("density NaN", |a| numbers(&mut density(a).values)[3] = f32::NAN),
+    ("mixed precision", |a| density(a).values = Array::F64(vec![0.0; a.volume.len()])),
+    ("integers", |a| density(a).values = Array::U32(vec![0; a.volume.len()])),
+    ("step 0", |a| {
+        let multiples = vec![0; a.volume.len()];
+        density(a).values = Array::Rounded(Rounded { multiples, step: 0.0, max_error: 1.0 });
+    }),
+];
+
+/// Where the loader needn't look: the file's reader refuses them.
+const INVALID_DENSITY: [Change; 4] = [
+    ("length 0", |a| density(a).extension_length = 0.0),
+    ("length NaN", |a| density(a).extension_length = f64::NAN),
+    ("integral negative", |a| density(a).kernel_integral = -1.0),
+    ("integral infinite", |a| density(a).kernel_integral = f64::INFINITY),
+];
+
+#[test]
+fn invalid_numbers_of_a_density_are_refused() {
+    let [.., dense] = originals();
+    for (name, change) in INVALID_DENSITY {
+        let mut asset = dense.asset.clone();
+        change(&mut asset);
+        let error = file_of(&asset, Compression::Zstd(1)).map(|_| ()).map_err(Error::from).expect_err(name);
+        assert_eq!(kind(&error), "refused by the writer", "{name}: {error}");
+    }
+}
+
 /// What an attacker can write who computes every checksum.
 const INCONSISTENT: [Change; 35] = [
     ("run past the row", |a| a.band_cells[0].len = a.grid.resolution[0] + 1),
@@ -384,11 +435,10 @@ fn last(asset: &Asset) -> CellRun {
 
 #[test]
 fn content_that_contradicts_itself_is_refused() {
-    let [single, _, _, rounded, _] = originals();
+    let [single, _, _, rounded, _, dense] = originals();
     let all = INCONSISTENT.iter().map(|change| (&single, change));
-    for (original, (name, change)) in
-        all.chain(INCONSISTENT_IN_16_BITS.iter().map(|change| (&rounded, change)))
-    {
+    let all = all.chain(INCONSISTENT_IN_16_BITS.iter().map(|change| (&rounded, change)));
+    for (original, (name, change)) in all.chain(INCONSISTENT_DENSITY.iter().map(|change| (&dense, change))) {
         let mut asset = original.asset.clone();
         change(&mut asset);
         let error = VolumeMap::from_asset(&asset).map(|map| samples(&map)).expect_err(name);

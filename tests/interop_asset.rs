@@ -28,13 +28,15 @@ fn bake(folder: &Path, mesh: &str, options: &str) -> PathBuf {
     target
 }
 
-const BAKES: [(&str, &str); 7] = [
+const BAKES: [(&str, &str); 9] = [
     ("duck.obj", "--resolution 20 --support-radius 0.1"),
     ("duck.obj", "--resolution 20,15,25 --support-radius 0.1 --precision f64"),
     ("tank.obj", "--invert --cell-size 0.2 --support-radius 0.2 --compression gzip"),
     ("grid.obj", "--cell-size 0.02 --support-radius 0.02 --compression gzip --precision f64"),
     ("duck.obj", "--resolution 20 --support-radius 0.1 --max-rounding 0.01%"),
     ("duck.obj", "--invert --resolution 14 --compression gzip --max-rounding 1e-3"),
+    ("duck.obj", "--resolution 20 --support-radius 0.1 --density --kernel wendland"),
+    ("tank.obj", "--invert --cell-size 0.2 --support-radius 0.2 --density --max-rounding 0.1%"),
     ("bad_holes.obj", "--resolution 12 --domain -0.5,-0.5,-0.5,0.5,0.4,0.3"),
 ];
 

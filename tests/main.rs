@@ -1,6 +1,7 @@
 //! The tests of volmap that go through more than one crate, in one binary.
 
 mod analytic;
+mod density;
 mod peer;
 mod queries;
 mod tolerance;

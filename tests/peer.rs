@@ -3,6 +3,7 @@
 
 use std::path::PathBuf;
 use volmap_baker::bake::{Bake, BakeSettings, bake};
+use volmap_baker::density_map::DensitySettings;
 use volmap_baker::input::{InputSettings, load};
 use volmap_baker::plan::{GridChoice, Precision, Settings};
 use volmap_baker::volume_map::quadrature::Rule;
@@ -61,7 +62,7 @@ fn place([nx, ny, nz]: [u32; 3], node: u32) -> (Family, [u32; 3], u32) {
     }
 }
 
-fn bake_as_peer(mesh: &str, scale: f64, peer: &Peer) -> Bake {
+fn bake_as_peer(mesh: &str, scale: f64, peer: &Peer, density: Option<DensitySettings>) -> Bake {
     let placement = Placement { scale: [scale; 3], ..Placement::default() };
     let input = load(&folder().join(mesh), &InputSettings { placement, ..InputSettings::default() }).unwrap();
     let map = Settings {
@@ -70,30 +71,34 @@ fn bake_as_peer(mesh: &str, scale: f64, peer: &Peer) -> Bake {
         domain: Some(peer.domain),
         precision: Precision::F64,
         rule: Rule::GaussLegendre(30),
+        density,
         ..Settings::default()
     };
     bake(input, &BakeSettings { map, ..BakeSettings::default() }, &mut |_| (), &mut |_| ()).unwrap()
 }
 
+/// Our number of a node, if it is in the band.
+fn number(nodes: &Nodes, family: Family, [i, j, k]: [u32; 3], third: u32) -> Option<usize> {
+    let holds = |(y, z, it): &(u32, u32, volmap_runtime::NodeInterval)| {
+        (*y, *z) == (j, k) && (it.first..it.end).contains(&i)
+    };
+    let (.., it) = nodes.intervals(family).find(holds)?;
+    Some((it.start + (i - it.first) * family.nodes_per_point() + third) as usize)
+}
+
 fn compare(name: &str, mesh: &str, scale: f64) {
     let peer = read_peer(name);
-    let asset = bake_as_peer(mesh, scale, &peer).asset;
+    let asset = bake_as_peer(mesh, scale, &peer, None).asset;
     let (Array::F64(distance), Array::F64(volume)) = (&asset.signed_distance, &asset.volume) else {
         panic!("f64 was asked for")
     };
     let nodes = Nodes::new(asset.grid.resolution.into(), &asset.band_cells).unwrap();
-    let number = |family: Family, [i, j, k]: [u32; 3], third: u32| {
-        let holds = |(y, z, it): &(u32, u32, volmap_runtime::NodeInterval)| {
-            (*y, *z) == (j, k) && (it.first..it.end).contains(&i)
-        };
-        let (.., it) = nodes.intervals(family).find(holds)?;
-        Some((it.start + (i - it.first) * family.nodes_per_point() + third) as usize)
-    };
     let ball = 4.0 / 3.0 * std::f64::consts::PI * 1e-3;
     let (mut worst_phi, mut worst_volume, mut worst_relative) = (0.0f64, 0.0f64, 0.0f64);
     for (index, &node) in peer.nodes.iter().enumerate() {
         let (family, at, third) = place(peer.resolution, node);
-        let own = number(family, at, third).unwrap_or_else(|| panic!("{family:?} {at:?} isn't in the band"));
+        let own = number(&nodes, family, at, third)
+            .unwrap_or_else(|| panic!("{family:?} {at:?} isn't in the band"));
         worst_phi = worst_phi.max((distance[own] - peer.distance[index]).abs());
         let difference = (volume[own] - peer.volume[index]).abs();
         worst_volume = worst_volume.max(difference / ball);
@@ -114,4 +119,31 @@ fn node_values_are_those_of_splishsplash() {
     compare("box", "UnitBox.obj", 1.0);
     compare("sphere", "sphere.obj", 0.5);
     compare("torus", "torus.obj", 0.5);
+}
+
+/// SPlisHSPlasH's density map is that of Eq. 9 but for the extension function, which it ends at r / 5.
+fn compare_density(name: &str, mesh: &str, scale: f64) {
+    let peer = read_peer(&format!("{name}.density"));
+    let rule = Rule::GaussLegendre(50);
+    let settings = DensitySettings { rule, extension: 0.2, ..DensitySettings::default() };
+    let asset = bake_as_peer(mesh, scale, &peer, Some(settings)).asset;
+    let Some(Array::F64(density)) = asset.density.map(|density| density.values) else {
+        panic!("f64 was asked for")
+    };
+    let nodes = Nodes::new(asset.grid.resolution.into(), &asset.band_cells).unwrap();
+    let mut worst = 0.0f64;
+    for (index, &node) in peer.nodes.iter().enumerate() {
+        let (family, at, third) = place(peer.resolution, node);
+        let own = number(&nodes, family, at, third).unwrap_or_else(|| panic!("{at:?} isn't in the band"));
+        // The peer's third column.
+        worst = worst.max((density[own] - peer.volume[index]).abs() / (1.0 + peer.volume[index]));
+    }
+    println!("{name:7} {:5} nodes: density {worst:.1e}", peer.nodes.len());
+    assert!(worst < 1e-5, "{name}: {worst}");
+}
+
+#[test]
+fn densities_are_those_of_splishsplash() {
+    compare_density("box", "UnitBox.obj", 1.0);
+    compare_density("sphere", "sphere.obj", 0.5);
 }

@@ -1,6 +1,7 @@
 //! What the tests share.
 
 use std::path::{Path, PathBuf};
+use volmap_baker::density_map::compute_density;
 use volmap_baker::maps::{Maps, compute_maps};
 use volmap_baker::plan::{Extent, GridChoice, Plan, Settings, plan};
 use volmap_formats::asset::{Array, Asset, Attributes, QuadratureSpec};
@@ -62,7 +63,10 @@ pub const TORUS: Solid = Solid {
 pub fn compute(solid: &Solid, resolution: u32, settings: &Settings) -> (Plan, Maps) {
     let settings = Settings { grid: GridChoice::Resolution([resolution; 3]), ..settings.clone() };
     let plan = plan(&solid.extent, &settings).unwrap();
-    let maps = compute_maps(&plan, settings.rule, &solid.phi, &mut |_| ()).unwrap();
+    let mut maps = compute_maps(&plan, settings.rule, &solid.phi, &mut |_| ()).unwrap();
+    if let Some(density) = &settings.density {
+        maps.density = Some(compute_density(&plan, density, &solid.phi, &maps, &mut |_| ()).unwrap());
+    }
     (plan, maps)
 }
 
@@ -82,6 +86,10 @@ pub fn asset_of(plan: &Plan, settings: &Settings, maps: Maps) -> Asset {
         solid_cells: maps.cells.solid,
         signed_distance: Array::F64(maps.distance),
         volume: Array::F64(maps.volume),
+        density: settings
+            .density
+            .zip(maps.density)
+            .map(|(density, values)| density.field(plan.support_radius, Array::F64(values))),
         bake: Attributes::new(),
         source: Attributes::new(),
         diagnosis: Attributes::new(),

@@ -7,6 +7,8 @@ use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use std::str::FromStr;
 use volmap_baker::bake::BakeSettings;
+use volmap_baker::density_map::DensitySettings;
+use volmap_baker::density_map::smoothing::Smoothing;
 use volmap_baker::input::InputSettings;
 use volmap_baker::plan::{GridChoice, Precision, Settings};
 use volmap_baker::sdf::SignMethod;
@@ -94,6 +96,15 @@ pub struct BakeArguments {
     /// Rule of the volume's integral: chordN, ballN, or glP of order P (gl30 is the paper's)
     #[arg(long, value_name = "RULE", default_value_t, value_parser = Rule::from_str, help_heading = "Map")]
     quadrature: Rule,
+    /// Bake the density map too (Koschier and Bender 2017): boundary density over rest density, for one SPH kernel
+    #[arg(long, help_heading = "Map")]
+    density: bool,
+    /// SPH kernel of the density map: cubic (cubic spline), or wendland (Wendland C2)
+    #[arg(long, value_name = "KERNEL", default_value = "cubic", requires = "density", help_heading = "Map")]
+    kernel: Smoothing,
+    /// Rule of the density's integral, as --quadrature (gl50 is the paper's)
+    #[arg(long, value_name = "RULE", default_value_t = DensitySettings::default().rule, requires = "density", help_heading = "Map")]
+    density_quadrature: Rule,
 
     /// How inside and outside are told apart
     #[arg(long, value_enum, default_value_t, help_heading = "Mesh")]
@@ -127,7 +138,7 @@ pub struct BakeArguments {
     #[arg(long, value_enum, default_value_t, help_heading = "File")]
     precision: PrecisionName,
     /// Store 16-bit numbers: at the nodes no distance changes by more than this part of r, no volume by more than this
-    /// part of the ball (0.01%, or 1e-4); between them by up to 5.75 times as much. Half as large, loaded too
+    /// part of the ball, no density by more than this part of rest density (0.01%, or 1e-4); between them by up to 5.75 times as much. Half as large, loaded too
     #[arg(long, value_name = "PART", value_parser = part, conflicts_with = "precision", help_heading = "File")]
     max_rounding: Option<f64>,
     /// Compression: zstd, or gzip for readers without plugins
@@ -233,6 +244,11 @@ impl BakeArguments {
                 invert: self.invert,
                 thickness: self.thickness,
                 rule: self.quadrature,
+                density: self.density.then(|| DensitySettings {
+                    kernel: self.kernel,
+                    rule: self.density_quadrature,
+                    ..DensitySettings::default()
+                }),
                 precision: match (self.max_rounding, self.precision) {
                     (Some(part), _) => Precision::Rounded(part),
                     (None, PrecisionName::F32) => Precision::F32,

@@ -1,5 +1,6 @@
 //! The whole bake: a mesh in, an asset out.
 
+use crate::density_map::{DensitySettings, compute_density};
 use crate::describe;
 use crate::error::Error;
 use crate::input::{Input, Source, bounds};
@@ -65,8 +66,10 @@ pub struct Summary {
     pub nodes: usize,
     /// How the cells were found, if a tolerance was asked for.
     pub tolerance: Option<Found>,
-    /// Bytes of both fields if every cell of the grid were stored, and for the band alone.
+    /// Bytes of all fields if every cell of the grid were stored, and for the band alone.
     pub field_bytes: [u64; 2],
+    /// How the density was computed, if it was.
+    pub density: Option<DensitySettings>,
     /// What storing the fields changed, if they were rounded to 16 bits.
     pub rounding: Option<Rounding>,
     /// Stages and their seconds, in order.
@@ -95,6 +98,8 @@ pub struct Rounding {
     pub distance: f64,
     /// Largest change of a volume, part of the full ball.
     pub volume: f64,
+    /// Largest change of a density over rest density.
+    pub density: f64,
 }
 
 /// Steps of a bake, for progress.
@@ -134,10 +139,14 @@ pub fn bake(
     };
     let problem = Problem { mesh: &input.mesh, extent: &extent, phi: &phi };
     let mut stage_name = "tree";
-    let (plan, maps, tolerance) = fields(&problem, settings, &mut |stage| {
+    let mut enter = |stage: Stage| {
         clock.lap(std::mem::replace(&mut stage_name, stage.name()));
         on_step(Step::Field(stage));
-    })?;
+    };
+    let (plan, mut maps, tolerance) = fields(&problem, settings, &mut enter)?;
+    if let Some(density) = &settings.map.density {
+        maps.density = Some(compute_density(&plan, density, &phi, &maps, &mut enter)?);
+    }
     clock.lap(stage_name);
     let sign_comparison = settings.check_sign.then(|| {
         on_step(Step::CheckSign);
@@ -154,7 +163,8 @@ pub fn bake(
         cells: cell_counts(&plan, &maps),
         nodes: maps.nodes.count(),
         tolerance,
-        field_bytes: field_bytes(&plan, &maps, settings.map.precision),
+        field_bytes: field_bytes(&plan, &maps, &settings.map),
+        density: settings.map.density,
         rounding: None,
         seconds: clock.laps,
         warnings: Vec::new(),
@@ -210,11 +220,12 @@ fn cell_counts(plan: &Plan, maps: &Maps) -> CellCounts {
     }
 }
 
-fn field_bytes(plan: &Plan, maps: &Maps, precision: Precision) -> [u64; 2] {
+fn field_bytes(plan: &Plan, maps: &Maps, settings: &Settings) -> [u64; 2] {
     let [x, y, z] = plan.grid.resolution.to_array().map(u64::from);
     let corners = (x + 1) * (y + 1) * (z + 1);
     let edges = x * (y + 1) * (z + 1) + (x + 1) * y * (z + 1) + (x + 1) * (y + 1) * z;
-    [corners + 2 * edges, maps.nodes.count() as u64].map(|nodes| 2 * precision.bytes() * nodes)
+    let fields = 2 + u64::from(settings.density.is_some());
+    [corners + 2 * edges, maps.nodes.count() as u64].map(|nodes| fields * settings.precision.bytes() * nodes)
 }
 
 fn asset(maps: Maps, input: &Input, mut summary: Summary, settings: &BakeSettings) -> Result<Bake, Error> {
@@ -228,8 +239,11 @@ fn asset(maps: Maps, input: &Input, mut summary: Summary, settings: &BakeSetting
     let (r, ball) = (summary.plan.support_radius, quadrature.ball_volume);
     let (signed_distance, distance_change) = stored(maps.distance, r, settings.map.precision)?;
     let (volume, volume_change) = stored(maps.volume, ball, settings.map.precision)?;
+    let density = maps.density.map(|values| stored(values, 1.0, settings.map.precision)).transpose()?;
+    let (density, density_change) = density.unzip();
     if let Precision::Rounded(allowed) = settings.map.precision {
-        summary.rounding = Some(Rounding { allowed, distance: distance_change, volume: volume_change });
+        let [distance, volume, density] = [distance_change, volume_change, density_change.unwrap_or(0.0)];
+        summary.rounding = Some(Rounding { allowed, distance, volume, density });
     }
     let asset = Asset {
         grid: summary.plan.grid.into(),
@@ -240,6 +254,7 @@ fn asset(maps: Maps, input: &Input, mut summary: Summary, settings: &BakeSetting
         solid_cells: maps.cells.solid,
         signed_distance,
         volume,
+        density: settings.map.density.zip(density).map(|(density, values)| density.field(r, values)),
         bake: describe::parameters(input, &summary, settings),
         source: describe::source(input, &summary),
         diagnosis: describe::diagnosis(&summary),

@@ -71,6 +71,12 @@ pub fn parameters(input: &Input, summary: &Summary, settings: &BakeSettings) -> 
             ("volume_error_reference", found.reference.to_string().into()),
         ]));
     }
+    if let Some(density) = &map.density {
+        out.extend(attributes([
+            ("density_kernel", density.kernel.to_string().into()),
+            ("density_quadrature", density.rule.to_string().into()),
+        ]));
+    }
     if let Some(rounding) = summary.rounding {
         out.insert("max_rounding".into(), rounding.allowed.into());
     }

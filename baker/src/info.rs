@@ -2,13 +2,13 @@
 
 use serde_json::{Map, Value as Json, json};
 use std::fmt::Write;
-use volmap_formats::asset::{Array, Asset, Attributes, CellRun, Exterior, FORMAT_VERSION, Value};
+use volmap_formats::asset::{Array, Asset, Attributes, CellRun, DensityField, Exterior, Value};
 
 /// All but the fields themselves, as JSON.
 pub fn to_json(asset: &Asset, file_bytes: u64) -> Json {
-    json!({
+    let mut out = json!({
         "format": "volmap",
-        "format_version": FORMAT_VERSION,
+        "format_version": asset.format_version(),
         "file_bytes": file_bytes,
         "support_radius": asset.support_radius,
         "exterior": exterior(asset),
@@ -35,7 +35,11 @@ pub fn to_json(asset: &Asset, file_bytes: u64) -> Json {
         "bake": object(&asset.bake),
         "source": object(&asset.source),
         "diagnosis": object(&asset.diagnosis),
-    })
+    });
+    if let Some(density) = &asset.density {
+        out["fields"]["density"] = density_field(density);
+    }
+    out
 }
 
 /// The same for people.
@@ -103,6 +107,17 @@ fn field(values: &Array, units: &str) -> Json {
 /// Attributes as an object.
 pub fn object(attributes: &Attributes) -> Map<String, Json> {
     attributes.iter().map(|(name, value)| (name.clone(), to_value(value))).collect()
+}
+
+fn density_field(density: &DensityField) -> Json {
+    let mut out = field(&density.values, "1");
+    out["kernel"] = density.kernel.as_str().into();
+    out["extension_length"] = density.extension_length.into();
+    out["quadrature"] = density.quadrature.as_str().into();
+    out["degree"] = density.degree.into();
+    out["points"] = density.points.into();
+    out["kernel_integral"] = density.kernel_integral.into();
+    out
 }
 
 fn to_value(value: &Value) -> Json {

@@ -6,6 +6,7 @@
 //! [`bake::bake`] is the whole way; [`maps::compute_maps`] the part that any signed distance can take.
 
 pub mod bake;
+pub mod density_map;
 pub mod describe;
 pub mod error;
 pub mod info;

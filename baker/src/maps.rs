@@ -23,6 +23,8 @@ pub struct Maps {
     pub distance: Vec<f64>,
     /// Boundary volume at the nodes, m^3 (Eq. 12).
     pub volume: Vec<f64>,
+    /// Boundary density over rest density at the nodes (Eq. 9), if it is asked for.
+    pub density: Option<Vec<f64>>,
 }
 
 /// A stage of the bake, for progress and timing.
@@ -36,6 +38,8 @@ pub enum Stage {
     Distance(Work),
     /// Integrating V at the nodes.
     Volume(Work),
+    /// The density: finding and sampling what it needs beyond the band, and integrating it.
+    Density(Work),
 }
 
 impl Stage {
@@ -46,6 +50,7 @@ impl Stage {
             Stage::Band(_) => "band",
             Stage::Distance(_) => "distance",
             Stage::Volume(_) => "volume",
+            Stage::Density(_) => "density",
         }
     }
 }
@@ -84,15 +89,15 @@ pub fn compute_maps(
     let work = Work::new(nodes.count() as u64);
     enter(Stage::Volume(work.clone()));
     let lattice = LatticeRule::new(&rule.points(), plan.support_radius, plan.grid.cell_size);
-    let volume = lattice.volumes(&field, &nodes, plan.margin, &work);
+    let volume = lattice.integrals(&field, &nodes, plan.margin, &work);
     let distance = match plan.margin == UVec3::ZERO {
         true => field.values,
         false => values(&plan.grid, &nodes, phi, &Work::new(0)),
     };
-    Ok(Maps { cells, nodes, distance, volume })
+    Ok(Maps { cells, nodes, distance, volume, density: None })
 }
 
-fn numbered(resolution: UVec3, cells: &BandCells) -> Result<Nodes, Error> {
+pub(crate) fn numbered(resolution: UVec3, cells: &BandCells) -> Result<Nodes, Error> {
     if cells.band.is_empty() {
         let reason = "no surface is within 2 support radii of the domain; move or enlarge it, or, if nothing of the \
                       solid is left, take another --thickness";

@@ -1,5 +1,6 @@
 //! From settings to a grid: support radius, domain, cells, and what the bake will cost, before any of it is done.
 
+use crate::density_map::DensitySettings;
 use crate::error::Error;
 use crate::volume_map::lattice::MAX_REACH;
 use crate::volume_map::quadrature::Rule;
@@ -32,7 +33,7 @@ pub enum Precision {
     /// Double.
     F64,
     /// 16-bit multiples of a step. No node's value changes by more than this fraction of r (distance) and of the
-    /// full ball (volume).
+    /// full ball (volume), and by more than this (density over rest density).
     Rounded(f64),
 }
 
@@ -65,6 +66,8 @@ pub struct Settings {
     pub thickness: f64,
     /// How the volume is integrated.
     pub rule: Rule,
+    /// How the density is computed, if it is to be.
+    pub density: Option<DensitySettings>,
     /// Precision of the stored fields.
     pub precision: Precision,
     /// Limit on the estimate of memory, bytes.
@@ -81,6 +84,7 @@ impl Default for Settings {
             invert: false,
             thickness: 0.0,
             rule: Rule::default(),
+            density: None,
             precision: Precision::default(),
             max_memory: 4 << 30,
         }
@@ -141,6 +145,8 @@ const SECONDS_PER_NODE: f64 = 0.9e-6;
 const BYTES_PER_NODE: u64 = 40;
 /// With `--precision f64`.
 const BYTES_PER_DOUBLE_NODE: u64 = 56;
+/// With a density, whose field reaches deeper than the band.
+const BYTES_PER_DENSITY_NODE: u64 = 32;
 const BYTES_PER_ROW: u64 = 48;
 
 /// Plans a bake.
@@ -155,7 +161,7 @@ pub fn plan(extent: &Extent, settings: &Settings) -> Result<Plan, Error> {
     let [low, high] = domain(needed, settings)?;
     let grid = grid(low, high, support_radius, settings)?;
     check_precision(&grid)?;
-    check_rounding(&grid, support_radius, settings.precision)?;
+    check_rounding(&grid, support_radius, settings)?;
     let cut = cut(&grid, needed);
     let cuts = cut[0].max_element().max(cut[1].max_element()) > 0.0;
     let margin = if cuts { margin(&grid, support_radius)? } else { UVec3::ZERO };
@@ -178,10 +184,15 @@ pub fn plan(extent: &Extent, settings: &Settings) -> Result<Plan, Error> {
 impl Plan {
     /// The grid on which Phi is sampled: the map's, grown by the margin.
     pub fn distance_grid(&self) -> Grid {
+        self.grown(self.margin)
+    }
+
+    /// The map's grid with cells around it.
+    pub fn grown(&self, margin: UVec3) -> Grid {
         Grid {
-            origin: self.grid.origin - self.margin.as_dvec3() * self.grid.cell_size,
+            origin: self.grid.origin - margin.as_dvec3() * self.grid.cell_size,
             cell_size: self.grid.cell_size,
-            resolution: self.grid.resolution + 2 * self.margin,
+            resolution: self.grid.resolution + 2 * margin,
         }
     }
 }
@@ -193,7 +204,7 @@ fn cut(grid: &Grid, needed: [DVec3; 2]) -> [DVec3; 2] {
 }
 
 /// Cells within reach of a node beyond the domain's faces.
-fn margin(grid: &Grid, support_radius: f64) -> Result<UVec3, Error> {
+pub(crate) fn margin(grid: &Grid, support_radius: f64) -> Result<UVec3, Error> {
     let cells = (support_radius / grid.cell_size).ceil() + 1.0;
     check_resolution(
         "--domain, which cuts the band, with a support radius around it",
@@ -296,10 +307,12 @@ fn check_reach(grid: &Grid, support_radius: f64) -> Result<(), Error> {
 }
 
 /// Told before the work: the values at the far corners of the band's cells need too many steps.
-fn check_rounding(grid: &Grid, support_radius: f64, precision: Precision) -> Result<(), Error> {
-    let Precision::Rounded(fraction) = precision else { return Ok(()) };
+fn check_rounding(grid: &Grid, support_radius: f64, settings: &Settings) -> Result<(), Error> {
+    let Precision::Rounded(fraction) = settings.precision else { return Ok(()) };
     let farthest = 2.0 * support_radius + grid.cell_size.length();
-    match Rounded::new(&[farthest], support_radius, fraction) {
+    let density = settings.density.map(|density| density.largest(farthest, support_radius));
+    let largest = density.unwrap_or(0.0).max(farthest / support_radius);
+    match Rounded::new(&[largest], 1.0, fraction) {
         Ok(_) => Ok(()),
         Err(error) => Err(Error::setting("--max-rounding", error.to_string())),
     }
@@ -335,7 +348,9 @@ fn estimate(extent: &Extent, grid: &Grid, margin: UVec3, width: f64, settings: &
         Precision::F64 => BYTES_PER_DOUBLE_NODE,
         _ => BYTES_PER_NODE,
     };
-    let samples = nodes * settings.rule.points().len() as f64;
+    let bytes_per_node = bytes_per_node + settings.density.map_or(0, |_| BYTES_PER_DENSITY_NODE);
+    let density_points = settings.density.map_or(0, |density| density.rule.points().len());
+    let samples = nodes * (settings.rule.points().len() + density_points) as f64;
     let rows = u64::from(resolution.y) * u64::from(resolution.z);
     Estimate {
         cells: cells as u64,

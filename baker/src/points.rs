@@ -2,7 +2,7 @@
 
 use serde_json::{Value as Json, json};
 use std::io::{Read, Write};
-use volmap_runtime::{DVec3, Sample, VolumeMap};
+use volmap_runtime::{DVec3, Density, Sample, VolumeMap};
 
 /// Why points can't be answered; `line` counts from 1.
 #[derive(Debug, thiserror::Error)]
@@ -29,9 +29,12 @@ pub enum PointsError {
 }
 
 const COLUMNS: [&str; 9] = ["distance", "nx", "ny", "nz", "cx", "cy", "cz", "volume", "region"];
+/// Of maps that have a density: that over rest density, and its gradient, 1/m.
+const DENSITY_COLUMNS: [&str; 4] = ["density", "gx", "gy", "gz"];
 
 /// Copies a CSV table with columns x, y, z (metres) and appends to each row distance, normal, closest point, volume
-/// and region (`band`, `outside` or `deep_inside`). Outside the band only volume and region are known.
+/// and region (`band`, `outside` or `deep_inside`), and density and its gradient if the map has them. Outside the band
+/// only volume and region are known; density and gradient too, unless deep inside.
 ///
 /// # Errors
 /// A table without these columns, or with a coordinate that is no number.
@@ -39,9 +42,16 @@ pub fn query_csv(map: &VolumeMap, points: impl Read, out: impl Write) -> Result<
     let mut table = read(points)?;
     let mut writer = csv::Writer::from_writer(out);
     COLUMNS.iter().for_each(|name| table.header.push_field(name));
+    let has_density = map.density_kernel().is_some();
+    if has_density {
+        DENSITY_COLUMNS.iter().for_each(|name| table.header.push_field(name));
+    }
     writer.write_record(&table.header)?;
     for (record, at) in &mut table.rows {
         answer(map, map.sample(*at)).iter().for_each(|field| record.push_field(field));
+        if has_density {
+            density_answer(map, *at).iter().for_each(|field| record.push_field(field));
+        }
         writer.write_record(&*record)?;
     }
     Ok(writer.flush()?)
@@ -123,16 +133,29 @@ fn answer(map: &VolumeMap, sample: Sample) -> [String; 9] {
     out
 }
 
+fn density_answer(map: &VolumeMap, at: DVec3) -> [String; 4] {
+    match map.density(at) {
+        Some(Density { value, gradient: g }) => [value, g.x, g.y, g.z].map(|number| number.to_string()),
+        None => [const { String::new() }; 4],
+    }
+}
+
 fn object(map: &VolumeMap, at: DVec3) -> Json {
     let sample = map.sample(at);
     let (volume, region) = known(map, &sample);
     let near = sample.near();
-    json!({
+    let mut out = json!({
         "point": at.to_array(),
         "distance": near.map(|b| b.distance),
         "normal": near.map(|b| b.normal.to_array()),
         "closest_point": near.map(|b| b.closest_point.to_array()),
         "volume": volume,
         "region": region,
-    })
+    });
+    if map.density_kernel().is_some() {
+        let density = map.density(at);
+        out["density"] = density.map(|d| d.value).into();
+        out["density_gradient"] = density.map(|d| d.gradient.to_array().to_vec()).into();
+    }
+    out
 }

@@ -142,6 +142,7 @@ fn describe(step: Step) -> Shown {
         Step::Field(Stage::Band(work)) => ("finding the band", Some(work)),
         Step::Field(Stage::Distance(work)) => ("sampling the distance", Some(work)),
         Step::Field(Stage::Volume(work)) => ("integrating the volume", Some(work)),
+        Step::Field(Stage::Density(work)) => ("computing the density", Some(work)),
         Step::CheckSign => ("comparing the signs", None),
     }
 }

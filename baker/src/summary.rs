@@ -45,6 +45,10 @@ impl Display for Summary {
         }
         let [dense, sparse] = self.field_bytes;
         writeln!(f, "memory     {} dense, {} sparse", bytes(dense), bytes(sparse))?;
+        if let Some(density) = &self.density {
+            let (kernel, rule) = (density.kernel, density.rule);
+            writeln!(f, "density    over rest density, for the kernel {kernel}, by {rule}")?;
+        }
         if let Some(rounding) = self.rounding {
             let [allowed, distance, volume] =
                 [rounding.allowed, rounding.distance, rounding.volume].map(|part| digits(100.0 * part));
@@ -52,6 +56,10 @@ impl Display for Summary {
                 f,
                 "rounding   16 bits, at the nodes at most {allowed} % of r and of the ball; the worst is {distance} % and {volume} %"
             )?;
+            if self.density.is_some() {
+                let worst = digits(100.0 * rounding.density);
+                writeln!(f, "           and at most {allowed} % of rest density; the worst is {worst} %")?;
+            }
         }
         let stages: Vec<String> =
             self.seconds.iter().map(|(name, seconds)| format!("{name} {seconds:.2}")).collect();

@@ -480,3 +480,65 @@ fn slice_refuses_what_it_cannot_draw() {
     let warning = String::from_utf8(run.assert().success().get_output().stderr.clone()).unwrap();
     assert!(warning.contains("duck.obj is not the mesh that was baked (tank.obj)"), "{warning}");
 }
+
+#[test]
+fn a_density_is_baked_shown_and_asked_for() {
+    let folder = folder();
+    let options = ["--resolution", "16", "--density", "--kernel", "wendland", "--density-quadrature", "gl20"];
+    let mut first: Option<Vec<u8>> = None;
+    for threads in ["1", "3"] {
+        let mut bake = volmap(&folder);
+        bake.arg("bake").arg(data("duck.obj")).args(options).args(["--threads", threads]);
+        let summary = output(&mut bake);
+        assert!(
+            summary.contains("kernel wendland_c2, by gl20") && summary.contains("density 0."),
+            "{summary}"
+        );
+        let bytes = fs::read(folder.path().join("duck.h5")).unwrap();
+        assert!(*first.get_or_insert(bytes.clone()) == bytes, "other bytes on {threads} threads");
+    }
+    let json: serde_json::Value =
+        serde_json::from_str(&output(volmap(&folder).args(["info", "duck.h5", "--json"]))).unwrap();
+    assert_eq!(json["format_version"], 2);
+    let density = &json["fields"]["density"];
+    assert_eq!((&density["kernel"], &density["units"]), (&"wendland_c2".into(), &"1".into()));
+    assert_eq!(
+        (&density["quadrature"], &json["bake"]["density_quadrature"]),
+        (&"gl20".into(), &"gl20".into())
+    );
+    assert!(density["max"].as_f64().unwrap() > 1.5, "{density}");
+
+    let points = "x,y,z\n0.62,0,0\n0,0,0\n9,9,9\n";
+    let query = ["query", "duck.h5", "--points", "-"];
+    let table = output(volmap(&folder).args(query).write_stdin(points));
+    let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
+    assert_eq!(rows[0][12..], ["density", "gx", "gy", "gz"]);
+    assert!(rows[1][12].parse::<f64>().unwrap() > 0.0, "{table}");
+    assert_eq!(rows[3][12..], ["0", "0", "0", "0"]);
+    let json = output(volmap(&folder).args(query).arg("--json").write_stdin(points));
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(json[0]["density"], rows[1][12].parse::<f64>().unwrap());
+    assert_eq!(json[0]["density_gradient"][0], rows[1][13].parse::<f64>().unwrap());
+
+    let mut default = volmap(&folder);
+    default.arg("bake").arg(data("duck.obj")).args(["--resolution", "8", "--density"]);
+    assert!(output(&mut default).contains("kernel cubic_spline, by gl50"));
+    let mut rounded = volmap(&folder);
+    rounded.arg("bake").arg(data("duck.obj")).args(options).args(["--max-rounding", "0.1%"]);
+    let summary = output(&mut rounded);
+    assert!(summary.contains("of rest density; the worst is"), "{summary}");
+    let mut fine = volmap(&folder);
+    fine.arg("bake").arg(data("duck.obj")).args(options).args(["--max-rounding", "0.005%"]);
+    assert!(error(&mut fine).contains("--max-rounding"));
+}
+
+#[test]
+fn options_of_the_density_need_it() {
+    let folder = folder();
+    for option in [["--kernel", "cubic"], ["--density-quadrature", "gl50"], ["--kernel", "spiky"]] {
+        let failed = volmap(&folder).arg("bake").arg(data("duck.obj")).args(option).assert().code(2);
+        let text = String::from_utf8(failed.get_output().stderr.clone()).unwrap();
+        assert!(text.contains("--density") || text.contains("no kernel"), "{text}");
+    }
+    assert!(names(&folder).is_empty());
+}

@@ -4,6 +4,7 @@
 //! Asset  <- schema ->  Tree (groups, attributes, arrays)  <- write / read ->  HDF5 bytes
 //! ```
 
+mod density;
 mod error;
 mod filters;
 #[cfg(feature = "write")]
@@ -15,6 +16,7 @@ mod tree;
 #[cfg(feature = "write")]
 mod write;
 
+pub use density::DensityField;
 pub use error::AssetError;
 pub use rounded::{Rounded, RoundingError};
 pub use schema::{FORMAT_NAME, FORMAT_VERSION, MAX_CELLS_PER_AXIS, MAX_ROWS};
@@ -90,6 +92,8 @@ pub struct Asset {
     pub signed_distance: Array,
     /// Boundary volume at the nodes, m^3, in the same precision.
     pub volume: Array,
+    /// Boundary density at the nodes, if it was baked too.
+    pub density: Option<DensityField>,
     /// Effective value of every parameter of the bake.
     pub bake: Attributes,
     /// Where the map comes from: mesh file, its hash, triangles, bounding box, program.

@@ -91,6 +91,7 @@ fn sphere(n: u32) -> Asset {
         solid_cells: Vec::new(),
         signed_distance: Array::F32(distance.iter().map(|&phi| phi as f32).collect()),
         volume: Array::F32(volume),
+        density: None,
         bake: Attributes::new(),
         source: Attributes::new(),
         diagnosis: Attributes::new(),

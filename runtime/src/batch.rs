@@ -6,8 +6,9 @@
 #[cfg(target_arch = "x86_64")]
 use crate::avx2;
 use crate::cells::{Found, Place};
-use crate::element::{Cube, Cubes, Numbers, Rows, Shared, Weights, differences};
-use crate::fields::{Fields, Storage, rows};
+use crate::density::Density;
+use crate::element::{Cube, Cubes, Numbers as CellNumbers, Rows, Shared, Weights, differences};
+use crate::fields::{Fields, Numbers, Storage, rows};
 use crate::grid::Grid;
 use crate::lanes::{LANES, Lanes, Plain, Work};
 use crate::query::{Boundary, Sample, Values, VolumeMap};
@@ -23,6 +24,16 @@ pub(crate) trait Answer: Copy {
     fn deep_inside(map: &VolumeMap) -> Self;
     /// Answers the points `which` of `out`, at most four, which are in the band.
     fn near<V: Lanes>(map: &VolumeMap, at: &Evaluated<V>, which: &[u32], out: &mut [Self]);
+
+    /// Answers all points from the fields that hold the answer.
+    #[inline(always)]
+    fn all<V: Lanes>(map: &VolumeMap, points: &[DVec3], out: &mut [Self]) {
+        match &map.fields {
+            Fields::F32(nodes) => answers::<V, _, Self>(map, nodes.as_slice(), points, out),
+            Fields::F64(nodes) => answers::<V, _, Self>(map, nodes.as_slice(), points, out),
+            Fields::Rounded(multiples) => answers::<V, _, Self>(map, multiples, points, out),
+        }
+    }
 }
 
 impl Answer for Values {
@@ -82,6 +93,38 @@ impl Answer for Sample {
     }
 }
 
+impl Answer for Option<Density> {
+    #[inline(always)]
+    fn outside(_: &VolumeMap) -> Option<Density> {
+        Some(Density::default())
+    }
+
+    #[inline(always)]
+    fn deep_inside(_: &VolumeMap) -> Option<Density> {
+        None
+    }
+
+    #[inline(always)]
+    fn near<V: Lanes>(map: &VolumeMap, at: &Evaluated<V>, which: &[u32], out: &mut [Option<Density>]) {
+        let (value, slope) = (at.volume.value(&at.weights).array(), at.volume.gradient(&at.weights));
+        let slope = [slope[0].array(), slope[1].array(), slope[2].array()];
+        for (lane, &point) in which.iter().enumerate() {
+            let gradient = map.per_cell * DVec3::new(slope[0][lane], slope[1][lane], slope[2][lane]);
+            out[point as usize] = Some(Density { value: value[lane], gradient });
+        }
+    }
+
+    #[inline(always)]
+    fn all<V: Lanes>(map: &VolumeMap, points: &[DVec3], out: &mut [Option<Density>]) {
+        match map.density.as_ref().map(|density| &density.numbers) {
+            Some(Numbers::F32(nodes)) => answers::<V, _, Self>(map, nodes.as_slice(), points, out),
+            Some(Numbers::F64(nodes)) => answers::<V, _, Self>(map, nodes.as_slice(), points, out),
+            Some(Numbers::Rounded(steps)) => answers::<V, _, Self>(map, steps, points, out),
+            None => out.fill(None),
+        }
+    }
+}
+
 /// Four points in the band and the element there.
 pub(crate) struct Evaluated<V> {
     points: [V; 3],
@@ -92,7 +135,7 @@ pub(crate) struct Evaluated<V> {
 
 impl<V: Lanes> Evaluated<V> {
     #[inline(always)]
-    fn new(numbers: &impl Numbers<V>, points: [V; 3], f: [V; 3]) -> Evaluated<V> {
+    fn new(numbers: &impl CellNumbers<V>, points: [V; 3], f: [V; 3]) -> Evaluated<V> {
         let weights = Weights::new(f);
         let [distance, volume] = Cubes::of_both(numbers, &weights);
         Evaluated { points, weights, distance, volume }
@@ -125,16 +168,7 @@ struct All<'a, A> {
 impl<A: Answer> Work for All<'_, A> {
     #[inline(always)]
     fn run<V: Lanes>(self) {
-        batch::<V, A>(self.map, self.points, self.out);
-    }
-}
-
-#[inline(always)]
-fn batch<V: Lanes, A: Answer>(map: &VolumeMap, points: &[DVec3], out: &mut [A]) {
-    match &map.fields {
-        Fields::F32(nodes) => answers::<V, _, A>(map, nodes.as_slice(), points, out),
-        Fields::F64(nodes) => answers::<V, _, A>(map, nodes.as_slice(), points, out),
-        Fields::Rounded(multiples) => answers::<V, _, A>(map, multiples, points, out),
+        A::all::<V>(self.map, self.points, self.out);
     }
 }
 
@@ -358,7 +392,7 @@ fn all_differences<V: Lanes, S: Storage + ?Sized>(map: &VolumeMap, fields: &S, p
     ]
 }
 
-impl<V: Lanes> Numbers<V> for Apart<V> {
+impl<V: Lanes> CellNumbers<V> for Apart<V> {
     #[inline(always)]
     fn cube(&self, cube: usize) -> Cube<V> {
         let [a, b, c, d] = &self.0;
@@ -398,7 +432,7 @@ mod analytic;
 
 #[cfg(test)]
 mod tests {
-    use super::analytic::{Random, asset, single};
+    use super::analytic::{Random, asset, single, with_density};
     use super::*;
     use volmap_formats::asset::{CellRun, GridSpec};
 
@@ -407,7 +441,7 @@ mod tests {
         let grid = GridSpec { origin: [-1.0, -2.0, 0.5], cell_size: [0.3, 0.2, 0.25], resolution: [5, 4, 3] };
         let band = (0..12).map(|row| CellRun { i: row % 2, j: row % 4, k: row / 4, len: 3 }).collect();
         let wave = |x: DVec3| (x.x * 5.0 + x.y * 7.0).sin() + x.z * x.z;
-        let double = asset(grid, [band, Vec::new()], wave, |x| 0.01 * wave(x));
+        let double = with_density(asset(grid, [band, Vec::new()], wave, |x| 0.01 * wave(x)), 300.0);
         for asset in [single(&double), double] {
             let map = VolumeMap::from_asset(&asset).unwrap();
             let mut random = Random(9);
@@ -423,6 +457,10 @@ mod tests {
             assert!((1_000..points.len()).contains(&near), "{near}");
             let bits = |samples: &[Sample]| format!("{samples:?}");
             assert_eq!(bits(&wide), bits(&plain));
+            let (mut wide, mut others) = (vec![None::<Density>; points.len()], vec![None; points.len()]);
+            answer_all(&map, &points, &mut wide);
+            All { map: &map, points: &points, out: &mut others }.run::<Plain>();
+            assert_eq!(format!("{wide:?}"), format!("{others:?}"));
             for (&point, &expected) in points.iter().zip(&plain) {
                 let mut alone = Sample::Outside;
                 All { map: &map, points: &[point], out: std::slice::from_mut(&mut alone) }.run::<Plain>();

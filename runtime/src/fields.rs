@@ -48,7 +48,43 @@ impl Fields {
     }
 }
 
-/// One way to store the values at the nodes.
+/// One number a node, of a field that is asked for by itself.
+#[derive(Clone, Debug)]
+pub(crate) enum Numbers {
+    F32(Vec<f32>),
+    F64(Vec<f64>),
+    Rounded(Steps),
+}
+
+/// Whole numbers of a step.
+#[derive(Clone, Debug)]
+pub(crate) struct Steps {
+    nodes: Vec<i16>,
+    step: f64,
+}
+
+impl Numbers {
+    /// `None` if the array isn't a field's.
+    pub fn new(array: &Array) -> Option<Numbers> {
+        match array {
+            Array::F32(v) => Some(Numbers::F32(v.clone())),
+            Array::F64(v) => Some(Numbers::F64(v.clone())),
+            Array::Rounded(v) => Some(Numbers::Rounded(Steps { nodes: v.multiples.clone(), step: v.step })),
+            Array::U32(_) => None,
+        }
+    }
+
+    /// Bytes held in memory.
+    pub fn memory_bytes(&self) -> usize {
+        match self {
+            Numbers::F32(nodes) => size_of_val(nodes.as_slice()),
+            Numbers::F64(nodes) => size_of_val(nodes.as_slice()),
+            Numbers::Rounded(steps) => size_of_val(steps.nodes.as_slice()),
+        }
+    }
+}
+
+/// One way to store the values at the nodes. A single field stands where the volume does, with zeros for the distance.
 pub(crate) trait Storage {
     /// Distance and volume of two nodes that follow each other.
     fn two<V: Lanes>(&self, start: u32) -> V;
@@ -104,6 +140,49 @@ impl Multiples {
         let [distance, volume] = self.steps;
         let numbers = V::new([a[0].into(), a[1].into(), b[0].into(), b[1].into()]);
         numbers * V::new([distance, volume, distance, volume])
+    }
+}
+
+impl Storage for [f32] {
+    #[inline(always)]
+    fn two<V: Lanes>(&self, start: u32) -> V {
+        let &[a, b] = slice(self, start);
+        V::widen([0.0, a, 0.0, b])
+    }
+
+    #[inline(always)]
+    fn four<V: Lanes>(&self, start: u32) -> [V; 2] {
+        let &[a, b, c, d] = slice(self, start);
+        [V::widen([0.0, a, 0.0, b]), V::widen([0.0, c, 0.0, d])]
+    }
+}
+
+impl Storage for [f64] {
+    #[inline(always)]
+    fn two<V: Lanes>(&self, start: u32) -> V {
+        let &[a, b] = slice(self, start);
+        V::new([0.0, a, 0.0, b])
+    }
+
+    #[inline(always)]
+    fn four<V: Lanes>(&self, start: u32) -> [V; 2] {
+        let &[a, b, c, d] = slice(self, start);
+        [V::new([0.0, a, 0.0, b]), V::new([0.0, c, 0.0, d])]
+    }
+}
+
+impl Storage for Steps {
+    #[inline(always)]
+    fn two<V: Lanes>(&self, start: u32) -> V {
+        let &[a, b] = slice(&self.nodes, start);
+        V::new([0.0, a.into(), 0.0, b.into()]) * V::splat(self.step)
+    }
+
+    #[inline(always)]
+    fn four<V: Lanes>(&self, start: u32) -> [V; 2] {
+        let &[a, b, c, d] = slice(&self.nodes, start);
+        let step = V::splat(self.step);
+        [V::new([0.0, a.into(), 0.0, b.into()]) * step, V::new([0.0, c.into(), 0.0, d.into()]) * step]
     }
 }
 

@@ -11,7 +11,8 @@
 //! ```
 //!
 //! Bender et al. 2020, *Implicit Frictional Boundary Handling for SPH*: V is Eq. 12, Phi is Eq. 10, both
-//! interpolated by cubic Serendipity elements on a sparse band of cells.
+//! interpolated by cubic Serendipity elements on a sparse band of cells. Maps may hold the density of Koschier and
+//! Bender 2017 too (Eq. 9): [`VolumeMap::density`].
 //!
 //! Guaranteed: after [`VolumeMap::open`] no query fails or panics, whatever the point (NaN is outside); memory is
 //! bounded by the file's size and 28 bytes a row of the grid's cells, of which there are at most 2^24; answers
@@ -26,6 +27,7 @@ extern crate self as volmap_runtime;
 mod avx2;
 mod batch;
 mod cells;
+mod density;
 mod element;
 mod error;
 mod fields;
@@ -38,6 +40,7 @@ mod query;
 pub mod serendipity;
 
 pub use cells::{Cell, CellIndex, NodeNumbers};
+pub use density::Density;
 pub use error::Error;
 pub use glam::{DQuat, DVec3};
 pub use grid::{Grid, Location};

@@ -1,14 +1,15 @@
 //! Opening a map: everything that a query relies on is checked here, once.
 
 use crate::cells::CellIndex;
+use crate::density::DensityNodes;
 use crate::error::Error;
-use crate::fields::Fields;
+use crate::fields::{Fields, Numbers};
 use crate::grid::Grid;
 use crate::nodes::Nodes;
 use crate::query::VolumeMap;
 use glam::{DVec3, UVec3};
 use std::path::Path;
-use volmap_formats::asset::{self, Array, Asset, CellRun, MAX_CELLS_PER_AXIS, MAX_ROWS};
+use volmap_formats::asset::{self, Array, Asset, CellRun, DensityField, MAX_CELLS_PER_AXIS, MAX_ROWS};
 
 impl VolumeMap {
     /// Opens an asset.
@@ -45,6 +46,7 @@ impl VolumeMap {
         let nodes = Nodes::new(grid.resolution, &asset.band_cells)
             .ok_or_else(|| Error::inconsistent("/cells/band", "has more than 2^32 nodes"))?;
         let fields = interleave(&asset.signed_distance, &asset.volume, nodes.count())?;
+        let density = asset.density.as_ref().map(|density| density_nodes(asset, density, nodes.count()));
         Ok(VolumeMap {
             grid,
             per_cell: 1.0 / grid.cell_size,
@@ -53,6 +55,7 @@ impl VolumeMap {
             quadrature: asset.quadrature.clone(),
             cells: CellIndex::new(grid.resolution, &asset.band_cells, &asset.solid_cells, &nodes),
             fields,
+            density: density.transpose()?,
         })
     }
 }
@@ -100,17 +103,29 @@ fn check_disjoint(band: &[CellRun], solid: &[CellRun]) -> Result<(), Error> {
 }
 
 fn interleave(distance: &Array, volume: &Array, nodes: usize) -> Result<Fields, Error> {
-    for (what, field) in [("/fields/signed_distance", distance), ("/fields/volume", volume)] {
-        if field.len() != nodes {
-            let reason = format!("has {} values for {nodes} nodes", field.len());
-            return Err(Error::inconsistent(what, reason));
-        }
-        if !field.is_finite() {
-            return Err(Error::inconsistent(what, "has values that aren't finite"));
-        }
-        if matches!(field, Array::Rounded(rounded) if !rounded.has_sound_attributes()) {
-            return Err(Error::inconsistent(what, "has a step that isn't positive, or no finite bound"));
-        }
-    }
+    check_field("/fields/signed_distance", distance, nodes)?;
+    check_field("/fields/volume", volume, nodes)?;
     Fields::interleave(distance, volume).ok_or_else(|| Error::inconsistent("/fields", "differ in precision"))
+}
+
+fn check_field(what: &'static str, field: &Array, nodes: usize) -> Result<(), Error> {
+    if field.len() != nodes {
+        let reason = format!("has {} values for {nodes} nodes", field.len());
+        return Err(Error::inconsistent(what, reason));
+    }
+    if !field.is_finite() {
+        return Err(Error::inconsistent(what, "has values that aren't finite"));
+    }
+    if matches!(field, Array::Rounded(rounded) if !rounded.has_sound_attributes()) {
+        return Err(Error::inconsistent(what, "has a step that isn't positive, or no finite bound"));
+    }
+    Ok(())
+}
+
+fn density_nodes(asset: &Asset, density: &DensityField, nodes: usize) -> Result<DensityNodes, Error> {
+    check_field("/fields/density", &density.values, nodes)?;
+    let same_type = density.values.type_name() == asset.volume.type_name();
+    let numbers = Numbers::new(&density.values).filter(|_| same_type);
+    let numbers = numbers.ok_or_else(|| Error::inconsistent("/fields", "differ in precision"))?;
+    Ok(DensityNodes { kernel: density.kernel.clone(), numbers })
 }

@@ -76,7 +76,7 @@ impl PosedMap {
     }
 
     /// The map's answers for points of the world.
-    fn in_blocks<A: Answer>(&self, points: &[DVec3], out: &mut [A]) {
+    pub(crate) fn in_blocks<A: Answer>(&self, points: &[DVec3], out: &mut [A]) {
         let mut local = [DVec3::ZERO; BLOCK];
         for (points, out) in points.chunks(BLOCK).zip(out.chunks_mut(BLOCK)) {
             for (local, &point) in local.iter_mut().zip(points) {

@@ -2,6 +2,7 @@
 
 use crate::batch::answer_all;
 use crate::cells::CellIndex;
+use crate::density::DensityNodes;
 use crate::fields::Fields;
 use crate::grid::Grid;
 use glam::DVec3;
@@ -18,6 +19,7 @@ pub struct VolumeMap {
     pub(crate) quadrature: QuadratureSpec,
     pub(crate) cells: CellIndex,
     pub(crate) fields: Fields,
+    pub(crate) density: Option<DensityNodes>,
 }
 
 /// What the map says of a point.
@@ -117,6 +119,7 @@ impl VolumeMap {
 
     /// Bytes that the map holds in memory.
     pub fn memory_bytes(&self) -> usize {
-        self.fields.memory_bytes() + self.cells.memory_bytes()
+        let density = self.density.as_ref().map_or(0, |density| density.numbers.memory_bytes());
+        self.fields.memory_bytes() + density + self.cells.memory_bytes()
     }
 }

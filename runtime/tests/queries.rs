@@ -3,7 +3,7 @@
 #[path = "analytic/mod.rs"]
 mod analytic;
 
-use analytic::{Oracle, Random, asset, single};
+use analytic::{Oracle, Random, asset, double_of, in_steps, single, with_density};
 use std::sync::Arc;
 use volmap_formats::asset::{Asset, CellRun, Exterior, GridSpec};
 use volmap_runtime::{DQuat, DVec3, Grid, Pose, PosedMap, Sample, Values, VolumeMap};
@@ -171,4 +171,32 @@ fn batches_of_a_body_have_the_bits_of_its_single_samples() {
             assert_eq!(value, body.values(point));
         }
     }
+}
+
+#[test]
+fn densities_are_those_of_the_oracle_alone_and_in_batches() {
+    let mut random = Random(13);
+    let mut near = 0;
+    for resolution in [[7, 5, 4], [1, 1, 1], [40, 3, 2]] {
+        let double = with_density(random_asset(&mut random, resolution), 900.0);
+        for asset in [single(&double), in_steps(&double), double] {
+            let map = VolumeMap::from_asset(&asset).unwrap();
+            let oracle = Oracle::new(&double_of(&asset));
+            let points = points(&mut Random(5), map.grid());
+            let mut batch = vec![None; 3];
+            map.density_batch(&points, &mut batch);
+            assert_eq!(batch.len(), points.len());
+            for (&point, &found) in points.iter().zip(&batch) {
+                assert_eq!(found, map.density(point), "{point}");
+                let (Some(found), Some(exact)) = (found, oracle.density(point)) else {
+                    assert_eq!(found.is_some(), oracle.density(point).is_some(), "{point}");
+                    continue;
+                };
+                assert!((found.value - exact.value).abs() < 1e-12, "{found:?} {exact:?}");
+                assert!((found.gradient - exact.gradient).length() < 1e-10, "{found:?} {exact:?}");
+                near += usize::from(map.sample(point).near().is_some());
+            }
+        }
+    }
+    assert!(near > 10_000, "{near}");
 }

@@ -44,22 +44,25 @@ def choose_points(asset):
     return np.concatenate([inside, corners, cell_faces, faces, outside, domain_corners, just_off, far])
 
 
-def query(volmap, asset, points, folder):
-    """(regions, numbers [n, 8]) that the binary gives."""
+def query(volmap, asset, points, folder, columns):
+    """(regions, numbers [n, columns]) that the binary gives."""
     path = folder / "points.csv"
     path.write_text("x,y,z\n" + "".join(",".join(map(repr, point)) + "\n" for point in points.tolist()))
     run = subprocess.run([volmap, "query", asset, "--points", path], check=True, capture_output=True, text=True)
     rows = list(csv.DictReader(run.stdout.splitlines()))
-    numbers = [[float(row[name] or "nan") for name in read_asset.COLUMNS] for row in rows]
+    numbers = [[float(row[name] or "nan") for name in columns] for row in rows]
     return [row["region"] for row in rows], np.array(numbers)
 
 
 def compare(volmap, path, folder):
     asset = read_asset.load(path)
     points = choose_points(asset)
-    theirs_region, theirs = query(volmap, path, points, folder)
+    columns = read_asset.COLUMNS + (() if asset.density is None else read_asset.DENSITY_COLUMNS)
+    theirs_region, theirs = query(volmap, path, points, folder, columns)
     answer = asset.sample(points)
     ours_region, ours = [read_asset.REGIONS[region] for region in answer["region"]], read_asset.table(answer)
+    if asset.density is not None:
+        ours = np.concatenate([ours, answer["density"]], 1)
     counts = ", ".join(f"{ours_region.count(name)} {name}" for name in read_asset.REGIONS)
     print(f"{path} ({asset.precision}): {len(points)} points, {counts}")
     good = ours_region == theirs_region and np.array_equal(np.isnan(ours), np.isnan(theirs))
@@ -72,8 +75,11 @@ def compare(volmap, path, folder):
     ours[vanishing, 1:7] = theirs[vanishing, 1:7]
     reach = np.nanmax(np.abs(ours[:, 4:7]), initial=0)
     magnitude = [np.abs(asset.phi).max(initial=0), 1, 1, 1, reach, reach, reach, asset.ball_volume]
+    if asset.density is not None:
+        largest = np.abs(asset.density).max(initial=0)
+        magnitude += [largest, *(23.2 * largest / asset.cell_size)]
     differences = np.nanmax(np.abs(ours - theirs), axis=0, initial=0)
-    for name, difference, unit in zip(read_asset.COLUMNS, differences, magnitude):
+    for name, difference, unit in zip(columns, differences, magnitude):
         within = difference <= TOLERANCE * unit
         good &= within
         relative = difference / unit if unit else 0
@@ -96,7 +102,8 @@ def refuse_damage(volmap, path, folder):
         if "scale_factor" in file["fields/volume"].attrs:
             known["scale_factor"] = file["fields/volume"].attrs["scale_factor"].tobytes()
         places |= {name: content.find(value) for name, value in known.items()}
-        for name in read_asset.TABLES + read_asset.FIELDS:
+        density = (read_asset.DENSITY,) * (read_asset.DENSITY in file)
+        for name in read_asset.TABLES + read_asset.FIELDS + density:
             if file[name].size:
                 chunk = file[name].id.get_chunk_info(0)
                 places[name] = chunk.byte_offset + chunk.size // 2

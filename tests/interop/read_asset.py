@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Reads volmap assets (HDF5, format version 1): load(path).sample(points).
+"""Reads volmap assets (HDF5, format versions 1 and 2): load(path).sample(points).
 
 Written from SPEC.md alone; it shares no code with the Rust reader. Section numbers are SPEC.md's.
 Needs numpy, h5py, hdf5plugin and blake3. Command line:
@@ -27,6 +27,8 @@ COLUMNS = "distance", "nx", "ny", "nz", "cx", "cy", "cz", "volume"
 
 TABLES = "/cells/band", "/cells/solid"
 FIELDS = "/fields/signed_distance", "/fields/volume"
+DENSITY = "/fields/density"  # of version 2
+DENSITY_COLUMNS = "density", "gx", "gy", "gz"
 GROUPS = "/", "/bake", "/cells", "/diagnosis", "/fields", "/grid", "/quadrature", "/source"
 
 NUMBERS = (h5t.STD_U64LE, "u"), (h5t.STD_U64BE, "u"), (h5t.IEEE_F64LE, "f"), (h5t.IEEE_F64BE, "f")
@@ -84,10 +86,10 @@ def u64le(n):
     return int(n).to_bytes(8, "little")
 
 
-def check_root(file):
+def check_root(file, fields):
     """Compares the root's checksum with all attributes; so it also sees each one's type."""
     total = blake3()
-    for path in sorted(GROUPS + TABLES + FIELDS, key=str.encode):
+    for path in sorted(GROUPS + TABLES + fields, key=str.encode):
         obj = file[path]
         for key, name in sorted((name.encode("utf-8", "surrogateescape"), name) for name in obj.attrs):
             tag, value = attribute(obj, name)
@@ -213,11 +215,12 @@ class Map:
             raise Refused("not an asset") from None
         version = numbers(file, "format_version", "u")
         need(version >= 1, "format_version is 0")
-        need(version == 1, f"the file is newer than this reader: format version {version}")
-        for path in GROUPS + TABLES + FIELDS:
+        need(version <= 2, f"the file is newer than this reader: format version {version}")
+        self.fields = FIELDS + (DENSITY,) * (version == 2)
+        for path in GROUPS + TABLES + self.fields:
             kind = h5py.Group if path in GROUPS else h5py.Dataset
             need(path in file and isinstance(file[path], kind), f"{path} is missing")
-        check_root(file)
+        check_root(file, self.fields)
 
         text(file, "length_unit", "m")
         text(file, "extension_function", "cubic_spline")
@@ -241,7 +244,7 @@ class Map:
         numbers(rule, "points", "u")
         need(numbers(rule, "degree", "u") < 1 << 32, "degree is out of range")
 
-        decoded = sum((file[path].size or 0) * file[path].dtype.itemsize for path in TABLES + FIELDS)
+        decoded = sum((file[path].size or 0) * file[path].dtype.itemsize for path in TABLES + self.fields)
         need(decoded <= 4096 * os.path.getsize(file.filename) + (16 << 20), "too large for the file's size")
         self.band, self.solid = (Runs(dataset(file, path, ["u32"], 2)[1], self.resolution) for path in TABLES)
         runs = np.concatenate([np.stack([t.start, t.start + t.length]) for t in (self.band, self.solid)], 1)
@@ -256,9 +259,25 @@ class Map:
         need(count == len(phi), "length of the fields")
         self.precision, self.phi, self.volume = precision, phi, volume
         self.max_error = phi_error, volume_error
+        self.density = self.read_density(file) if version == 2 else None
+
+    def read_density(self, file):
+        data = file[DENSITY]
+        text(data, "extension_function", "linear")
+        for name in "kernel", "quadrature":
+            text(data, name)
+        for name in "extension_length", "kernel_integral":
+            value = numbers(data, name, "f")
+            need(math.isfinite(value) and value > 0, f"{name} of {DENSITY} is out of range")
+        numbers(data, "points", "u")
+        need(numbers(data, "degree", "u") < 1 << 32, f"degree of {DENSITY} is out of range")
+        precision, values, _ = field(file, DENSITY)
+        need(precision == self.precision and len(values) == len(self.phi), f"{DENSITY}: type or length")
+        return values
 
     def sample(self, points):
-        """Arrays region, distance, normal, closest and volume at the points [n, 3]; NaN where unknown."""
+        """Arrays region, distance, normal, closest, volume and density (with gradient: [n, 4]) at the points [n, 3]; NaN
+        where unknown."""
         points = np.asarray(points, np.float64).reshape(-1, 3)
         with np.errstate(over="ignore", invalid="ignore"):
             p = (points - self.origin) / self.cell_size
@@ -284,12 +303,18 @@ class Map:
         volume = np.where(region == DEEP_INSIDE, self.ball_volume, 0.0)
         distance[band] = (n * phi).sum(1)
         volume[band] = (n * self.volume[stored]).sum(1)
+        density = np.where((region == DEEP_INSIDE)[:, None], np.nan, np.zeros((1, 4)))
+        if self.density is not None:
+            rho = self.density[stored]
+            density[band, 0] = (n * rho).sum(1)
+            density[band, 1:] = 2 / self.cell_size * np.einsum("na,nad->nd", rho, dn)
         gradient = 2 / self.cell_size * np.einsum("na,nad->nd", phi, dn)
         length = np.linalg.norm(gradient, axis=1, keepdims=True)
         slope[band] = length[:, 0]
         normal[band] = np.divide(gradient, length, out=np.zeros_like(gradient), where=length > 0)
         closest[band] = points[band] - distance[band, None] * normal[band]
-        return {"region": region, "distance": distance, "normal": normal, "closest": closest, "volume": volume, "slope": slope}
+        return {"region": region, "distance": distance, "normal": normal, "closest": closest, "volume": volume,
+                "slope": slope, "density": density}
 
 
 def load(path):

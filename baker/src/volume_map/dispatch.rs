@@ -5,7 +5,7 @@
 //! and with the same bits. Other processors have them in their baseline, as aarch64 does.
 #![allow(unsafe_code)]
 
-use super::kernel::{self, Group, Window};
+use super::kernel::{self, Group, Window, linear};
 
 /// The kernel for a processor, for windows of up to `S` cells.
 #[derive(Clone, Copy, Debug)]
@@ -35,6 +35,24 @@ pub fn kernel<const S: usize>() -> Kernel<S> {
         };
     }
     portable()
+}
+
+/// The same for the linear extension function of density maps.
+pub fn linear_kernel<const S: usize>() -> Kernel<S> {
+    #[cfg(target_arch = "x86_64")]
+    if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
+        // SAFETY: this processor has AVX2 and FMA.
+        let accumulate: fn(&[Group], &Window<S>, i32, &mut [f64]) =
+            |groups, window, first, sums| unsafe { accumulate_linear(groups, window, first, sums) };
+        return Kernel { accumulate, ..kernel() };
+    }
+    Kernel { accumulate: linear::accumulate, ..portable() }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma")]
+fn accumulate_linear<const S: usize>(groups: &[Group], window: &Window<S>, first: i32, sums: &mut [f64]) {
+    linear::accumulate(groups, window, first, sums)
 }
 
 #[cfg(target_arch = "x86_64")]

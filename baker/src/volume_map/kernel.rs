@@ -13,6 +13,8 @@
 //! Written for vectors of any width: every lane does the same operations in the same order, with fused multiply-adds,
 //! and no sum goes across lanes. So the result has the same bits on every processor.
 
+pub mod linear;
+
 use volmap_runtime::serendipity::NODES;
 
 /// Cells that are worked on together.
@@ -45,6 +47,8 @@ pub struct Group {
     pub points: Vec<[f64; 2]>,
     /// The integral where gamma* is 1: the sum of the weights.
     pub total: f64,
+    /// The integrals of the monomials, for [`linear::accumulate`] alone.
+    pub moments: Vec<f64>,
 }
 
 /// What gamma*(Phi) is in a cell.
@@ -398,17 +402,17 @@ mod tests {
     use glam::DVec3;
     use volmap_runtime::serendipity::{node, shape};
 
-    struct Random(u64);
+    pub struct Random(pub u64);
 
     impl Random {
         /// A number in [-1, 1).
-        fn next(&mut self) -> f64 {
+        pub fn next(&mut self) -> f64 {
             self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
             (self.0 >> 33) as f64 / (1u64 << 30) as f64 - 1.0
         }
     }
 
-    fn window(width: usize, value: impl Fn(usize, usize) -> f64) -> Window<24> {
+    pub fn window(width: usize, value: impl Fn(usize, usize) -> f64) -> Window<24> {
         let mut window = Window { width, ..Window::default() };
         window.contents.fill(Content::Mixed as u8);
         for (a, row) in window.values.iter_mut().enumerate() {
@@ -418,7 +422,7 @@ mod tests {
     }
 
     /// s at a point of a cell, by the monomials as the head of this file lists them.
-    fn evaluate(window: &Window<24>, cell: usize, p: [f64; 3]) -> f64 {
+    pub fn evaluate(window: &Window<24>, cell: usize, p: [f64; 3]) -> f64 {
         let powers = |i: usize| match i {
             0..8 => [i & 1, i >> 1 & 1, i >> 2],
             _ => {
@@ -483,7 +487,7 @@ mod tests {
         assert!(seen.iter().all(|&n| n > 20), "{seen:?}");
     }
 
-    fn group(random: &mut Random) -> Group {
+    pub fn group(random: &mut Random) -> Group {
         let mut group = Group { step: 1, ..Group::default() };
         for plane in 0..3u32 {
             group.planes.push((random.next(), plane + 1));

@@ -1,4 +1,4 @@
-//! Eq. 12 of Bender et al. 2020 at all nodes of a grid.
+//! Eq. 12 of Bender et al. 2020, or Eq. 9, at all nodes of a grid.
 //!
 //! On a regular lattice, the cell and the local coordinates of (node + quadrature point) depend only on the class
 //! of the node: corner, or one of the two thirds of an edge along x, y or z; 7 classes. So the points of a class are
@@ -7,7 +7,7 @@
 //! side by side in a [`Window`], which serves all classes. Cells in which gamma* is 0 or 1 everywhere need no work.
 
 use super::dispatch::{self, Kernel};
-use super::kernel::{self, Content, Group, Window};
+use super::kernel::{self, Content, Group, Window, linear};
 use super::quadrature::Point;
 use super::window::{FieldWindows, contents};
 use crate::rows::{NodeRow, RowCluster, fill_clusters};
@@ -32,7 +32,20 @@ pub struct LatticeRule {
     rows: Vec<RowOfCells>,
     /// Cells along x that one node reaches, at most.
     reach: usize,
-    radius: f64,
+    extension: Extension,
+    /// Where the extension function becomes 0, metres.
+    length: f64,
+    /// Of the sums.
+    factor: f64,
+}
+
+/// Which extension function.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Extension {
+    /// gamma*, Eq. 13.
+    Cubic,
+    /// gamma, Eq. 11, which grows on into the solid.
+    Linear,
 }
 
 /// Cells of a window: 16 KiB of polynomials, which stay in the first cache.
@@ -57,21 +70,43 @@ impl LatticeRule {
         let rows = rows(points, radius / cell_size);
         let reach =
             rows.iter().map(|cells| (cells.steps[1] - cells.steps[0]) as usize + 1).max().unwrap_or(0);
-        LatticeRule { rows, reach, radius }
+        LatticeRule { rows, reach, extension: Extension::Cubic, length: radius, factor: radius.powi(3) }
     }
 
-    /// Boundary volume at every node, m^3. The nodes' lattice lies `shift` cells inside the field's grid.
-    /// Each node counts as work.
-    pub fn volumes(&self, field: &DistanceField, nodes: &Nodes, shift: UVec3, work: &Work) -> Vec<f64> {
-        let contents = contents(field, self.radius);
-        let windows = FieldWindows { field, contents: &contents, inverse_radius: 1.0 / self.radius, shift };
-        match 2 * self.reach <= WINDOW {
-            true => self.volumes_by(&windows, nodes, dispatch::kernel::<WINDOW>(), work),
-            false => self.volumes_by(&windows, nodes, dispatch::kernel::<WIDE_WINDOW>(), work),
+    /// The same for the density, from points whose weights hold the smoothing kernel of unit support. `length`: where
+    /// the extension function becomes 0, metres.
+    pub fn for_density(points: &[Point], radius: f64, cell_size: DVec3, length: f64) -> LatticeRule {
+        let mut rule = LatticeRule::new(points, radius, cell_size);
+        let classes = rule.rows.iter_mut().flat_map(|row| &mut row.classes);
+        for group in classes.flatten().flatten() {
+            group.moments = linear::moments(group);
+        }
+        LatticeRule { extension: Extension::Linear, length, factor: 1.0, ..rule }
+    }
+
+    /// Boundary volume at every node, m^3, or its density over rest density. The nodes' lattice lies `shift` cells
+    /// inside the field's grid. For the density, the field must hold all of the ball around each node that is
+    /// solid. Each node counts as work.
+    pub fn integrals(&self, field: &DistanceField, nodes: &Nodes, shift: UVec3, work: &Work) -> Vec<f64> {
+        let contents = contents(field, self.length);
+        let windows = FieldWindows { field, contents: &contents, inverse_radius: 1.0 / self.length, shift };
+        match (2 * self.reach <= WINDOW, self.extension) {
+            (true, Extension::Cubic) => {
+                self.integrals_by(&windows, nodes, dispatch::kernel::<WINDOW>(), work)
+            }
+            (false, Extension::Cubic) => {
+                self.integrals_by(&windows, nodes, dispatch::kernel::<WIDE_WINDOW>(), work)
+            }
+            (true, Extension::Linear) => {
+                self.integrals_by(&windows, nodes, dispatch::linear_kernel::<WINDOW>(), work)
+            }
+            (false, Extension::Linear) => {
+                self.integrals_by(&windows, nodes, dispatch::linear_kernel::<WIDE_WINDOW>(), work)
+            }
         }
     }
 
-    fn volumes_by<const S: usize>(
+    fn integrals_by<const S: usize>(
         &self,
         windows: &FieldWindows,
         nodes: &Nodes,
@@ -106,8 +141,8 @@ impl LatticeRule {
             let at = [i64::from(cluster.j) + i64::from(cells.y), i64::from(cluster.k) + i64::from(cells.z)];
             match windows.contents(first, at, width, &mut scratch.window) {
                 Some(Content::Zero) => continue,
-                Some(_) => {}
-                None => windows.polynomials(first, at, &mut scratch.window, kernel),
+                Some(_) if self.extension == Extension::Cubic => {}
+                _ => windows.polynomials(first, at, &mut scratch.window, kernel),
             }
             for (sums, &(row, t)) in scratch.sums.iter_mut().zip(&places) {
                 let groups = &cells.classes[row.family as usize][t];
@@ -119,13 +154,12 @@ impl LatticeRule {
     }
 
     fn write(&self, sums: &[Vec<f64>], cluster: &mut RowCluster) {
-        let cube = self.radius.powi(3);
         let mut sums = sums.iter();
         for (row, out) in &mut cluster.rows {
             let per_point = row.family.nodes_per_point() as usize;
             for (t, sums) in sums.by_ref().take(per_point).enumerate() {
                 let own = out.iter_mut().skip(t).step_by(per_point);
-                own.zip(sums).for_each(|(value, sum)| *value = cube * sum);
+                own.zip(sums).for_each(|(value, sum)| *value = self.factor * sum);
             }
         }
     }

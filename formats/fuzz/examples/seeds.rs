@@ -21,6 +21,7 @@ fn asset() -> Asset {
         solid_cells: vec![CellRun { i: 1, j: 0, k: 0, len: 1 }],
         signed_distance: field(0.01),
         volume: field(0.0001),
+        density: None,
         bake: options.collect(),
         source: [("mesh".to_owned(), "box.obj".into())].into(),
         diagnosis: [("closed".to_owned(), true.into())].into(),

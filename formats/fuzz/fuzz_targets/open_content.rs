@@ -74,6 +74,7 @@ fuzz_target!(|bytes: &[u8]| {
         solid_cells: numbers.runs(),
         signed_distance: Array::F32(Vec::new()),
         volume: Array::F32(Vec::new()),
+        density: None,
         bake: Attributes::new(),
         source: Attributes::new(),
         diagnosis: Attributes::new(),

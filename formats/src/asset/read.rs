@@ -24,20 +24,20 @@ const ZSTD_FILTER: u16 = 32015;
 /// A dataset that decodes to more is worth a thread of its own: where all processors are busy, one starts late.
 const LARGE_BYTES: usize = 1 << 21;
 
-/// Reads the groups (the root first) and datasets named, all of which must be there, and compares the
-/// checksums. `check_root` sees the root's attributes before anything else is read.
+/// Reads the groups named (the root first) and the datasets that `datasets` names, which sees the root's attributes
+/// before anything else is read. All must be there; the checksums are compared.
 ///
 /// # Errors
 /// Bytes that aren't HDF5, objects that are missing or of another type, a checksum that doesn't match.
-pub(super) fn read_tree(
+pub(super) fn read_tree<'a>(
     bytes: Vec<u8>,
     groups: &[&str],
-    datasets: &[&str],
-    check_root: impl Fn(&Attributes) -> Result<(), AssetError>,
+    datasets: impl Fn(&Attributes) -> Result<Vec<&'a str>, AssetError>,
 ) -> Result<Tree, AssetError> {
     let mut budget = bytes.len().saturating_mul(MAX_EXPANSION).saturating_add(ALWAYS_ALLOWED_BYTES);
     let file = Hdf5File::from_vec_with_options(bytes, options(budget)).map_err(container)?;
     let mut tree = Tree::default();
+    let mut listed = Vec::new();
     for &path in groups {
         let group = match path {
             "/" => file.root_group(),
@@ -47,13 +47,13 @@ pub(super) fn read_tree(
         if path == "/" {
             // A foreign or newer file may have attributes of other types: which it is comes first.
             let readable = attributes.iter().filter_map(|a| Some((a.name.clone(), value(a).ok()?)));
-            check_root(&readable.collect())?;
+            listed = datasets(&readable.collect())?;
         }
         let attributes = values(path, &attributes)?;
         tree.groups.insert(path.to_owned(), attributes);
     }
     let mut opened = Vec::new();
-    for &path in datasets {
+    for path in listed {
         let dataset = file.dataset(path).map_err(|error| object_error(path, error))?;
         check_size(path, &dataset, &mut budget)?;
         opened.push((path, dataset));

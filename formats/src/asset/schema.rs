@@ -1,5 +1,6 @@
 //! What the objects of the file mean: [`Asset`] to [`Tree`] and back. `SPEC.md` is this file in prose.
 
+use super::density;
 use super::error::{AssetError, printable};
 use super::rounded::Rounded;
 #[cfg(feature = "write")]
@@ -9,13 +10,15 @@ use super::{Asset, CellRun, Exterior, GridSpec, QuadratureSpec};
 
 /// Value of the root attribute `format`.
 pub const FORMAT_NAME: &str = "volmap";
-/// Version that is written, and the newest that is read.
-pub const FORMAT_VERSION: u64 = 1;
+/// The newest version that is read. A file gets the lowest version that holds its content: 2 if it has a density.
+pub const FORMAT_VERSION: u64 = 2;
 
 pub(super) const GROUPS: [&str; 8] =
     ["/", "/bake", "/cells", "/diagnosis", "/fields", "/grid", "/quadrature", "/source"];
 pub(super) const DATASETS: [&str; 4] =
     ["/cells/band", "/cells/solid", "/fields/signed_distance", "/fields/volume"];
+/// What version 2 has beside these.
+pub(super) const DENSITY: &str = "/fields/density";
 
 /// Eq. 13 of Bender et al. 2020, the one extension function of this version.
 const EXTENSION: &str = "cubic_spline";
@@ -30,7 +33,7 @@ pub const MAX_ROWS: u64 = 1 << 24;
 pub(super) fn tree_from_asset(asset: &Asset) -> Tree {
     let mut tree = Tree::default();
     let mut group = |path: &str, attributes: Attributes| _ = tree.groups.insert(path.into(), attributes);
-    group("/", root_attributes());
+    group("/", root_attributes(asset.format_version()));
     group("/bake", asset.bake.clone());
     group("/cells", Attributes::new());
     group("/diagnosis", asset.diagnosis.clone());
@@ -49,15 +52,25 @@ pub(super) fn tree_from_asset(asset: &Asset) -> Tree {
         "/fields/volume",
         field_dataset(&asset.volume, "m^3", "boundary volume, Eq. 12 of Bender et al. 2020"),
     );
+    if let Some(density) = &asset.density {
+        dataset(DENSITY, density::dataset(density));
+    }
     tree.seal();
     tree
 }
 
+impl Asset {
+    /// Version of the format of its file.
+    pub fn format_version(&self) -> u64 {
+        if self.density.is_some() { 2 } else { 1 }
+    }
+}
+
 #[cfg(feature = "write")]
-fn root_attributes() -> Attributes {
+fn root_attributes(version: u64) -> Attributes {
     attributes([
         ("format", FORMAT_NAME.into()),
-        ("format_version", FORMAT_VERSION.into()),
+        ("format_version", version.into()),
         ("length_unit", "m".into()),
         ("extension_function", EXTENSION.into()),
     ])
@@ -90,7 +103,7 @@ fn quadrature_attributes(asset: &Asset) -> Attributes {
 }
 
 #[cfg(feature = "write")]
-fn attributes<const N: usize>(pairs: [(&str, Value); N]) -> Attributes {
+pub(super) fn attributes<const N: usize>(pairs: [(&str, Value); N]) -> Attributes {
     pairs.map(|(name, value)| (name.to_owned(), value)).into()
 }
 
@@ -108,7 +121,7 @@ fn runs_dataset(runs: &[CellRun], description: &str) -> Dataset {
 }
 
 #[cfg(feature = "write")]
-fn field_dataset(values: &Array, units: &str, description: &str) -> Dataset {
+pub(super) fn field_dataset(values: &Array, units: &str, description: &str) -> Dataset {
     let mut attributes = attributes([("units", units.into()), ("description", description.into())]);
     if let Array::Rounded(rounded) = values {
         attributes.insert(STEP.into(), rounded.step.into());
@@ -120,10 +133,11 @@ fn field_dataset(values: &Array, units: &str, description: &str) -> Dataset {
 /// Reads an asset's tree from bytes, the kind and version of the file first, so that a foreign or newer
 /// file is told as such.
 pub(super) fn read(bytes: Vec<u8>) -> Result<Asset, AssetError> {
-    asset_from_tree(super::read::read_tree(bytes, &GROUPS, &DATASETS, check_format)?)
+    asset_from_tree(super::read::read_tree(bytes, &GROUPS, check_format)?)
 }
 
-fn check_format(root: &Attributes) -> Result<(), AssetError> {
+/// The datasets of the file's version.
+fn check_format(root: &Attributes) -> Result<Vec<&'static str>, AssetError> {
     if root.get("format") != Some(&Value::Text(FORMAT_NAME.into())) {
         return Err(AssetError::NotAnAsset);
     }
@@ -131,7 +145,8 @@ fn check_format(root: &Attributes) -> Result<(), AssetError> {
         Some(Value::Integer(v)) if v.len() == 1 && v[0] > FORMAT_VERSION => {
             Err(AssetError::Version { found: v[0], supported: FORMAT_VERSION })
         }
-        Some(Value::Integer(v)) if v.len() == 1 && v[0] >= 1 => Ok(()),
+        Some(Value::Integer(v)) if v[..] == [1] => Ok(DATASETS.to_vec()),
+        Some(Value::Integer(v)) if v[..] == [2] => Ok([&DATASETS[..], &[DENSITY]].concat()),
         _ => Err(AssetError::invalid("/@format_version", "isn't a version number")),
     }
 }
@@ -167,6 +182,7 @@ pub(super) fn asset_from_tree(mut tree: Tree) -> Result<Asset, AssetError> {
         solid_cells,
         signed_distance: field(&mut tree, "/fields/signed_distance")?,
         volume: field(&mut tree, "/fields/volume")?,
+        density: density::from_tree(&mut tree)?,
         bake,
         source,
         diagnosis,
@@ -208,7 +224,7 @@ fn runs(tree: &Tree, path: &str) -> Result<Vec<CellRun>, AssetError> {
     }
 }
 
-fn field(tree: &mut Tree, path: &str) -> Result<Array, AssetError> {
+pub(super) fn field(tree: &mut Tree, path: &str) -> Result<Array, AssetError> {
     let dataset = tree.datasets.remove(path).ok_or_else(|| AssetError::Missing(path.into()))?;
     if matches!(dataset.array, Array::U32(_)) {
         return Err(AssetError::invalid(path, "isn't f32, f64 or i16"));
@@ -233,10 +249,10 @@ fn check_rounding(path: &str, rounded: &Rounded) -> Result<(), AssetError> {
     Ok(())
 }
 
-/// Typed access to a group's attributes.
-struct Reader<'a> {
-    path: &'a str,
-    attributes: Option<&'a Attributes>,
+/// Typed access to an object's attributes.
+pub(super) struct Reader<'a> {
+    pub path: &'a str,
+    pub attributes: Option<&'a Attributes>,
 }
 
 impl<'a> Reader<'a> {
@@ -248,7 +264,7 @@ impl<'a> Reader<'a> {
         format!("{}@{name}", self.path)
     }
 
-    fn invalid(&self, name: &str, reason: &str) -> AssetError {
+    pub fn invalid(&self, name: &str, reason: &str) -> AssetError {
         AssetError::invalid(self.name(name), reason)
     }
 
@@ -257,14 +273,14 @@ impl<'a> Reader<'a> {
         value.ok_or_else(|| AssetError::Missing(self.name(name)))
     }
 
-    fn text(&self, name: &str) -> Result<String, AssetError> {
+    pub fn text(&self, name: &str) -> Result<String, AssetError> {
         match self.get(name)? {
             Value::Text(text) => Ok(text.clone()),
             _ => Err(self.invalid(name, "isn't text")),
         }
     }
 
-    fn expect(&self, name: &str, expected: &str) -> Result<(), AssetError> {
+    pub fn expect(&self, name: &str, expected: &str) -> Result<(), AssetError> {
         let found = self.text(name)?;
         if found == expected {
             return Ok(());
@@ -273,7 +289,7 @@ impl<'a> Reader<'a> {
             .invalid(name, &format!("is `{}`, but this version knows only `{expected}`", printable(&found))))
     }
 
-    fn integers<const N: usize>(&self, name: &str) -> Result<[u64; N], AssetError> {
+    pub fn integers<const N: usize>(&self, name: &str) -> Result<[u64; N], AssetError> {
         match self.get(name)? {
             Value::Integer(v) => v.as_slice().try_into().ok(),
             _ => None,
@@ -289,7 +305,7 @@ impl<'a> Reader<'a> {
         .ok_or_else(|| self.invalid(name, &format!("isn't {N} finite real numbers")))
     }
 
-    fn positive(&self, name: &str) -> Result<f64, AssetError> {
+    pub fn positive(&self, name: &str) -> Result<f64, AssetError> {
         match self.reals(name)? {
             [value] if value > 0.0 => Ok(value),
             _ => Err(self.invalid(name, "isn't positive")),
@@ -299,6 +315,7 @@ impl<'a> Reader<'a> {
 
 #[cfg(all(test, feature = "write"))]
 mod tests {
+    use super::super::DensityField;
     use super::*;
 
     fn asset() -> Asset {
@@ -311,6 +328,7 @@ mod tests {
             solid_cells: Vec::new(),
             signed_distance: Array::F64(vec![0.5; 32]),
             volume: Array::F64(vec![0.25; 32]),
+            density: None,
             bake: Attributes::new(),
             source: Attributes::new(),
             diagnosis: Attributes::new(),
@@ -322,6 +340,64 @@ mod tests {
         change(&mut tree);
         tree.seal();
         asset_from_tree(tree).err().map(|error| error.to_string())
+    }
+
+    fn density() -> Option<DensityField> {
+        Some(DensityField {
+            kernel: "cubic_spline".into(),
+            extension_length: 0.1,
+            quadrature: "gl4".into(),
+            degree: 4,
+            points: 19,
+            kernel_integral: 1.01,
+            values: Array::F64(vec![0.75; 32]),
+        })
+    }
+
+    #[test]
+    fn only_assets_with_a_density_are_of_version_2() {
+        for (density, version) in [(None, 1u64), (density(), 2)] {
+            let asset = Asset { density, ..asset() };
+            let tree = tree_from_asset(&asset);
+            assert_eq!(tree.groups["/"]["format_version"], version.into());
+            assert_eq!(tree.datasets.contains_key(DENSITY), version == 2);
+            assert_eq!(check_format(&tree.groups["/"]).unwrap().contains(&DENSITY), version == 2);
+            assert_eq!(asset_from_tree(tree).unwrap(), asset);
+        }
+        for version in [Value::from(0u64), 3u64.into(), Value::Integer(vec![1, 1]), 1.0.into()] {
+            let root = attributes([("format", FORMAT_NAME.into()), ("format_version", version)]);
+            assert!(check_format(&root).is_err());
+        }
+    }
+
+    #[test]
+    fn attributes_of_a_density_are_refused_by_name() {
+        let error = |name: &str, value: Option<Value>| {
+            let mut tree = tree_from_asset(&Asset { density: density(), ..asset() });
+            let attributes = &mut tree.datasets.get_mut(DENSITY).unwrap().attributes;
+            match value {
+                Some(value) => attributes.insert(name.into(), value),
+                None => attributes.remove(name),
+            };
+            tree.seal();
+            asset_from_tree(tree).err().map(|error| error.to_string())
+        };
+        let bad: [(&str, Value); 7] = [
+            ("kernel", 1u64.into()),
+            ("extension_function", "cubic_spline".into()),
+            ("extension_length", 0.0.into()),
+            ("quadrature", 1.0.into()),
+            ("degree", u64::MAX.into()),
+            ("points", "19".into()),
+            ("kernel_integral", f64::NAN.into()),
+        ];
+        for (name, value) in bad {
+            for value in [None, Some(value)] {
+                let error = error(name, value).unwrap();
+                assert!(error.contains(&format!("{DENSITY}@{name}")), "{error}");
+            }
+        }
+        assert_eq!(error("units", None), None);
     }
 
     #[test]

@@ -2,9 +2,11 @@
 //! Not all who include it need all of it.
 #![allow(dead_code)]
 
-use volmap_formats::asset::{Array, Asset, Attributes, CellRun, Exterior, GridSpec, QuadratureSpec};
+use volmap_formats::asset::{
+    Array, Asset, Attributes, CellRun, DensityField, Exterior, GridSpec, QuadratureSpec, Rounded,
+};
 use volmap_runtime::serendipity::shape_and_gradient;
-use volmap_runtime::{Boundary, Cell, CellIndex, DVec3, Family, Grid, Nodes, Sample};
+use volmap_runtime::{Boundary, Cell, CellIndex, DVec3, Density, Family, Grid, Nodes, Sample};
 
 /// Random numbers (xorshift), the same in every run.
 pub struct Random(pub u64);
@@ -52,6 +54,7 @@ pub fn asset(
         solid_cells,
         signed_distance: Array::F64(places.iter().map(|&x| phi(x)).collect()),
         volume: Array::F64(places.iter().map(|&x| v(x)).collect()),
+        density: None,
         bake: Attributes::default(),
         source: Attributes::default(),
         diagnosis: Attributes::default(),
@@ -64,7 +67,50 @@ pub fn single(asset: &Asset) -> Asset {
         Array::F64(values) => Array::F32(values.iter().map(|&x| x as f32).collect()),
         other => other.clone(),
     };
-    Asset { signed_distance: round(&asset.signed_distance), volume: round(&asset.volume), ..asset.clone() }
+    each_field(asset, round)
+}
+
+/// The same asset with its volume, times a factor, for a density.
+pub fn with_density(asset: Asset, factor: f64) -> Asset {
+    let Array::F64(volume) = &asset.volume else { panic!("fields are of double precision") };
+    let density = DensityField {
+        kernel: "cubic_spline".into(),
+        extension_length: 0.1,
+        quadrature: "gl4".into(),
+        degree: 4,
+        points: 19,
+        kernel_integral: 1.0,
+        values: Array::F64(volume.iter().map(|v| factor * v).collect()),
+    };
+    Asset { density: Some(density), ..asset }
+}
+
+/// The same asset with fields of 16 bits, in steps of 1/10,000 of each one's largest number.
+pub fn in_steps(asset: &Asset) -> Asset {
+    let round = |array: &Array| match array {
+        Array::F64(values) => {
+            let largest = values.iter().fold(1e-300f64, |largest, x| largest.max(x.abs()));
+            Array::Rounded(Rounded::new(values, largest, 5e-5).unwrap())
+        }
+        other => other.clone(),
+    };
+    each_field(asset, round)
+}
+
+/// The same asset with fields of double precision.
+pub fn double_of(asset: &Asset) -> Asset {
+    let double = |array: &Array| match array {
+        Array::Rounded(rounded) => Array::F64(rounded.values().collect()),
+        other => other.clone(),
+    };
+    each_field(asset, double)
+}
+
+fn each_field(asset: &Asset, change: impl Fn(&Array) -> Array) -> Asset {
+    let density = asset.density.as_ref();
+    let density = density.map(|d| DensityField { values: change(&d.values), ..d.clone() });
+    let (signed_distance, volume) = (change(&asset.signed_distance), change(&asset.volume));
+    Asset { signed_distance, volume, density, ..asset.clone() }
 }
 
 /// SPEC.md, sections 5 to 7, word by word: the sum of 32 products.
@@ -73,6 +119,7 @@ pub struct Oracle {
     exterior: Exterior,
     cells: CellIndex,
     nodes: Vec<[f64; 2]>,
+    density: Vec<f64>,
 }
 
 impl Oracle {
@@ -90,7 +137,28 @@ impl Oracle {
             exterior: asset.exterior,
             cells: CellIndex::new(grid.resolution, &asset.band_cells, &asset.solid_cells, &nodes),
             nodes: phi.into_iter().zip(v).map(|(phi, v)| [phi, v]).collect(),
+            density: asset.density.as_ref().map(|density| numbers(&density.values)).unwrap_or_default(),
         }
+    }
+
+    /// Density and gradient in a map that has them.
+    pub fn density(&self, point: DVec3) -> Option<Density> {
+        let (sample, _) = self.sample(point);
+        match sample {
+            Sample::Outside => return Some(Density::default()),
+            Sample::DeepInside => return None,
+            Sample::Near(_) => {}
+        }
+        let at = self.grid.locate(point)?;
+        let Cell::Band(numbers) = self.cells.find(at.cell) else { return None };
+        let (weights, gradients) = shape_and_gradient(at.xi);
+        let mut out = Density::default();
+        for (a, number) in numbers.all().into_iter().enumerate() {
+            out.value += weights[a] * self.density[number as usize];
+            out.gradient += gradients[a] * self.density[number as usize];
+        }
+        out.gradient = out.gradient * 2.0 / self.grid.cell_size;
+        Some(out)
     }
 
     /// The sample, and the length of the gradient that its normal comes from.
