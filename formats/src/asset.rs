@@ -5,9 +5,9 @@
 //! ```
 
 mod error;
-mod filters;
+pub(crate) mod filters;
 #[cfg(feature = "write")]
-mod publish;
+pub(crate) mod publish;
 mod read;
 mod rounded;
 mod schema;
