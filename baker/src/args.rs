@@ -1,5 +1,7 @@
 //! The command line: raw arguments, then validated options.
 
+pub mod exchange;
+
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -43,6 +45,10 @@ pub enum Command {
         #[arg(long)]
         json: bool,
     },
+    /// Write a map for other programs: VTKHDF, VTI, PLY, or SPlisHSPlasH's own
+    Export(exchange::ExportArguments),
+    /// Make an asset of a map of SPlisHSPlasH
+    Import(exchange::ImportArguments),
 }
 
 #[derive(Debug, Args)]

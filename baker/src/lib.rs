@@ -8,6 +8,8 @@
 pub mod bake;
 pub mod describe;
 pub mod error;
+pub mod export;
+pub mod import;
 pub mod info;
 pub mod input;
 pub mod maps;

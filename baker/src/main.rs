@@ -4,6 +4,7 @@ mod args;
 mod progress;
 
 use anyhow::{Context, Result, bail};
+use args::exchange::{ExportArguments, ImportArguments};
 use args::{Arguments, BakeArguments, Command};
 use clap::Parser;
 use progress::Progress;
@@ -13,9 +14,9 @@ use std::process::ExitCode;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 use volmap_baker::bake::bake;
-use volmap_baker::summary::bytes;
-use volmap_baker::{info, input, points};
-use volmap_formats::asset;
+use volmap_baker::summary::{bytes, thousands};
+use volmap_baker::{export, import, info, input, points};
+use volmap_formats::asset::{self, Compression};
 use volmap_runtime::VolumeMap;
 
 fn main() -> ExitCode {
@@ -35,6 +36,8 @@ fn run(command: Command) -> Result<()> {
         Command::Bake(arguments) => run_bake(&arguments),
         Command::Info { asset, json } => run_info(&asset, json),
         Command::Query { asset, points, json } => run_query(&asset, &points, json),
+        Command::Export(arguments) => run_export(&arguments),
+        Command::Import(arguments) => run_import(&arguments),
     }
 }
 
@@ -116,6 +119,31 @@ fn run_query(path: &Path, table: &Path, json: bool) -> Result<()> {
         false => points::query_csv(&map, points, &mut out).with_context(name)?,
     }
     Ok(out.flush()?)
+}
+
+fn run_export(arguments: &ExportArguments) -> Result<()> {
+    let output = &arguments.output;
+    if is_same_file(&arguments.asset, output) {
+        bail!("{}: would overwrite the asset; name another file with --output", output.display());
+    }
+    asset::check_target(output)?;
+    let content = export::export(&asset::read(&arguments.asset)?, output, &arguments.settings())?;
+    let file_bytes = std::fs::metadata(output)?.len();
+    Ok(writeln!(io::stdout(), "{}: {content} ({})", output.display(), bytes(file_bytes))?)
+}
+
+fn run_import(arguments: &ImportArguments) -> Result<()> {
+    let output = &arguments.output;
+    if is_same_file(&arguments.map, output) {
+        bail!("{}: would overwrite the map; name another file with --output", output.display());
+    }
+    asset::check_target(output)?;
+    let import = import::import(&arguments.map, &arguments.settings())?;
+    asset::write(output, &import.asset, Compression::default())?;
+    import.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
+    let nodes = import.asset.volume.len() as u64;
+    let file_bytes = std::fs::metadata(output)?.len();
+    Ok(writeln!(io::stdout(), "{}: {} nodes ({})", output.display(), thousands(nodes), bytes(file_bytes))?)
 }
 
 fn is_same_file(a: &Path, b: &Path) -> bool {

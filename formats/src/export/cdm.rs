@@ -65,15 +65,6 @@ pub fn write(path: &Path, grid: &DiscreteGrid) -> Result<(), ExportError> {
     publish_to(path, &to_bytes(grid))
 }
 
-/// Reads a grid; every count, index and number is checked.
-///
-/// # Errors
-/// A file that can't be read, isn't such a dump, or is damaged.
-pub fn read(path: &Path) -> Result<DiscreteGrid, ExportError> {
-    let bytes = std::fs::read(path).map_err(|error| ExportError::Io(error).in_file(path))?;
-    from_bytes(&bytes).map_err(|error| error.in_file(path))
-}
-
 /// The bytes of a grid's file.
 pub fn to_bytes(grid: &DiscreteGrid) -> Vec<u8> {
     let mut out = Vec::new();
@@ -104,7 +95,7 @@ pub fn to_bytes(grid: &DiscreteGrid) -> Vec<u8> {
     out
 }
 
-/// A grid from the bytes of its file.
+/// A grid from the bytes of its file; every count, index and number is checked.
 ///
 /// # Errors
 /// Bytes that aren't such a dump, or damaged ones. Memory stays in proportion to the bytes.
@@ -196,7 +187,10 @@ impl<'a> Bytes<'a> {
         Ok(part)
     }
 
-    fn array<T, const B: usize, const N: usize>(&mut self, read: fn([u8; B]) -> T) -> Result<[T; N], ExportError> {
+    fn array<T, const B: usize, const N: usize>(
+        &mut self,
+        read: fn([u8; B]) -> T,
+    ) -> Result<[T; N], ExportError> {
         let bytes = self.take((B * N) as u64)?.as_chunks::<B>().0;
         Ok(std::array::from_fn(|n| read(bytes[n])))
     }
