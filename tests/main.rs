@@ -1,6 +1,7 @@
 //! The tests of volmap that go through more than one crate, in one binary.
 
 mod analytic;
+mod exchange;
 mod peer;
 mod queries;
 mod tolerance;
@@ -8,5 +9,7 @@ mod volume;
 
 #[cfg(feature = "interop")]
 mod interop_asset;
+#[cfg(feature = "interop")]
+mod interop_export;
 #[cfg(feature = "interop")]
 mod interop_meshes;

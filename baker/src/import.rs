@@ -15,7 +15,7 @@ use volmap_formats::asset::{
     Value,
 };
 use volmap_formats::export::cdm::{self, DiscreteGrid, NODES, REMOVED, UNSAMPLED, local_node};
-use volmap_runtime::{Cell, CellIndex, Nodes};
+use volmap_runtime::{Cell, CellIndex, Nodes, VolumeMap};
 
 /// What the file doesn't say.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,6 +49,7 @@ pub fn import(path: &Path, settings: &ImportSettings) -> Result<Import, Error> {
     let refuse = |reason: String| Error::Import { path: path.to_owned(), reason };
     let grid = cdm::from_bytes(&bytes).map_err(|error| refuse(error.to_string()))?;
     let mut import = from_grid(&grid, settings).map_err(refuse)?;
+    VolumeMap::from_asset(&import.asset)?;
     let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let hash = blake3::hash(&bytes).to_hex().to_string();
     import.asset.source.extend([("file".to_owned(), file.into()), ("blake3".to_owned(), hash.into())]);

@@ -32,6 +32,7 @@ pub struct ExportArguments {
 }
 
 #[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
 pub struct ImportArguments {
     /// Map of SPlisHSPlasH (.cdm)
     pub map: PathBuf,

@@ -148,13 +148,16 @@ fn check_box(grid: &DiscreteGrid, inverse: [f64; 3]) -> Result<(), ExportError> 
     for axis in 0..3 {
         let (low, high, cells) = (grid.min[axis], grid.max[axis], grid.resolution[axis]);
         let size = grid.cell_size[axis];
-        if !(low.is_finite() && high.is_finite() && low < high && cells > 0) {
-            return damaged(format!("{cells} cells from {low} to {high}"));
+        if !((high - low).is_finite() && low < high && cells > 0) {
+            return damaged(format!("{cells} cells from {low:e} to {high:e}"));
         }
         let rounding = 1e-9 * f64::max(low.abs(), high.abs()).max(high - low);
         let fits = (size * f64::from(cells) - (high - low)).abs() <= rounding;
         if !(size > 0.0 && fits && (size * inverse[axis] - 1.0).abs() <= 1e-9) {
-            return damaged(format!("{cells} cells of {size}, 1 / {}, from {low} to {high}", inverse[axis]));
+            return damaged(format!(
+                "{cells} cells of {size:e}, 1 / {:e}, from {low:e} to {high:e}",
+                inverse[axis]
+            ));
         }
     }
     Ok(())
@@ -279,8 +282,8 @@ mod tests {
             ("without a value", refusal(|grid| grid.fields[1].cells[0][31] = 52)),
             ("not stored", refusal(|grid| grid.fields[0].cell_map[0] = 2)),
             ("of 2 cells", refusal(|grid| grid.fields[1].cell_map.push(0))),
-            ("from 1 to 1", refusal(|grid| grid.min[0] = 1.0)),
-            ("cells of 0.6", refusal(|grid| grid.cell_size[1] = 0.6)),
+            ("from 1e0 to 1e0", refusal(|grid| grid.min[0] = 1.0)),
+            ("cells of 6e-1", refusal(|grid| grid.cell_size[1] = 0.6)),
             ("0 fields", refusal(|grid| grid.fields.clear())),
         ] {
             assert!(text.contains(part), "{text}");

@@ -8,6 +8,7 @@ use super::{ExportError, le_bytes, publish_to};
 use crate::asset::filters;
 use rayon::prelude::*;
 use rust_hdf5::{DatatypeMessage, Filter, FilterPipeline, H5File, H5Type};
+use std::ops::Range;
 use std::path::Path;
 
 /// Points of a cell.
@@ -76,41 +77,51 @@ fn write_objects(path: &Path, grid: &CubicHexahedra) -> rust_hdf5::Result<()> {
     let (points, cells) = (grid.points.len(), grid.cells.len());
     let counts = [("Points", points), ("Cells", cells), ("ConnectivityIds", cells * POINTS)];
     for (name, n) in counts {
-        write_array::<i64>(&file, &format!("NumberOf{name}"), &[1], &(n as i64).to_le_bytes())?;
+        write_array::<i64>(&file, &format!("NumberOf{name}"), &[1], &|_| (n as i64).to_le_bytes().into())?;
     }
-    let coordinates = le_bytes(grid.points.as_flattened(), f64::to_le_bytes);
-    write_array::<f64>(&file, "Points", &[points, 3], &coordinates)?;
-    let offsets: Vec<i64> = (0..=cells).map(|cell| (cell * POINTS) as i64).collect();
-    write_array::<i64>(&file, "Offsets", &[cells + 1], &le_bytes(&offsets, i64::to_le_bytes))?;
-    write_array::<u8>(&file, "Types", &[cells], &vec![CELL_TYPE; cells])?;
-    write_array::<i64>(&file, "Connectivity", &[cells * POINTS], &connectivity(grid))?;
+    write_array::<f64>(&file, "Points", &[points, 3], &|rows| {
+        le_bytes(grid.points[rows].as_flattened(), f64::to_le_bytes)
+    })?;
+    write_array::<i64>(&file, "Offsets", &[cells + 1], &|rows| {
+        rows.flat_map(|cell| ((cell * POINTS) as i64).to_le_bytes()).collect()
+    })?;
+    write_array::<u8>(&file, "Types", &[cells], &|rows| vec![CELL_TYPE; rows.len()])?;
+    let order = order();
+    write_array::<i64>(&file, "Connectivity", &[cells * POINTS], &|rows| {
+        let point = |row: usize| grid.cells[row / POINTS][order[row % POINTS]];
+        rows.flat_map(|row| i64::from(point(row)).to_le_bytes()).collect()
+    })?;
     for (name, values) in &grid.point_data {
-        let bytes = le_bytes(values, f64::to_le_bytes);
-        write_array::<f64>(&file, &format!("PointData/{name}"), &[points], &bytes)?;
+        let path = format!("PointData/{name}");
+        write_array::<f64>(&file, &path, &[points], &|rows| le_bytes(&values[rows], f64::to_le_bytes))?;
     }
     for (name, value) in &grid.field_data {
-        write_array::<f64>(&file, &format!("FieldData/{name}"), &[1], &value.to_le_bytes())?;
+        write_array::<f64>(&file, &format!("FieldData/{name}"), &[1], &|_| value.to_le_bytes().into())?;
     }
     file.close_no_sync()
 }
 
-/// The cells' points in VTK's order, as bytes of i64.
-fn connectivity(grid: &CubicHexahedra) -> Vec<u8> {
+/// Our points in VTK's order.
+fn order() -> [usize; POINTS] {
     let mut order = [0; POINTS];
-    for (point, number) in (0..POINTS).map(|p| (p, vtk_number(p % 4, p / 4 % 4, p / 16))) {
-        order[number] = point;
+    for point in 0..POINTS {
+        order[vtk_number(point % 4, point / 4 % 4, point / 16)] = point;
     }
-    let cell_bytes = |cell: &[u32; POINTS]| order.map(|point| i64::from(cell[point]).to_le_bytes());
-    grid.cells.iter().flat_map(|cell| cell_bytes(cell).into_iter().flatten()).collect()
+    order
 }
 
-/// A dataset of the group of VTK from the bytes of its elements.
-fn write_array<T: H5Type>(file: &H5File, name: &str, shape: &[usize], bytes: &[u8]) -> rust_hdf5::Result<()> {
+/// A dataset of the group of VTK; `bytes` gives the elements of some of its rows.
+fn write_array<T: H5Type>(
+    file: &H5File,
+    name: &str,
+    shape: &[usize],
+    bytes: &(dyn Fn(Range<usize>) -> Vec<u8> + Sync),
+) -> rust_hdf5::Result<()> {
     let (element, row) = (T::element_size(), shape[1..].iter().product::<usize>());
     let path = format!("VTKHDF/{name}");
     let builder = file.new_dataset::<T>().shape(shape);
     // libhdf5's tools stumble over an index of no chunks.
-    if bytes.is_empty() {
+    if shape[0] == 0 {
         return builder.create(&path).map(drop);
     }
     let mut chunk_shape = shape.to_vec();
@@ -118,11 +129,11 @@ fn write_array<T: H5Type>(file: &H5File, name: &str, shape: &[usize], bytes: &[u
     let filter = |id, value| Filter { id, flags: 0, cd_values: vec![value] };
     let filters = vec![filter(2, element as u32), filter(1, GZIP_LEVEL)];
     let created = builder.chunk(&chunk_shape).filter_pipeline(FilterPipeline { filters }).create(&path)?;
-    let chunk_bytes = chunk_shape[0] * row * element;
-    let chunks = bytes.par_chunks(chunk_bytes).map(|chunk| {
+    let chunks = (0..shape[0].div_ceil(chunk_shape[0])).into_par_iter().map(|index| {
+        let first = index * chunk_shape[0];
+        let mut chunk = bytes(first..shape[0].min(first + chunk_shape[0]));
         // HDF5 stores the last chunk whole.
-        let mut chunk = chunk.to_vec();
-        chunk.resize(chunk_bytes, 0);
+        chunk.resize(chunk_shape[0] * row * element, 0);
         filters::deflate(&filters::shuffle(&chunk, element), GZIP_LEVEL)
     });
     for (index, chunk) in chunks.collect::<std::io::Result<Vec<_>>>()?.iter().enumerate() {
