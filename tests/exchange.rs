@@ -119,14 +119,14 @@ fn deep_in_the_solid_the_distance_goes_on() {
             let exact = (solid.phi)(DVec3::from(grid.min) + at * DVec3::from(grid.cell_size));
             let value = field.nodes[node as usize];
             if grid.fields[1].nodes[node as usize] == UNSAMPLED {
-                worst = worst.max((value - exact).abs() / exact.abs());
+                worst = worst.max((value - exact).abs() / DVec3::from(grid.cell_size).max_element());
                 deepest = deepest.min(exact);
                 checked += 1;
             }
         }
-        println!("{}: {checked} corners, down to {deepest:.3} m, worst {worst:.1e} relative", solid.name);
+        println!("{}: {checked} corners, down to {deepest:.3} m, worst {worst:.1e} of a cell", solid.name);
         assert!(checked > 100 && deepest < -7.0 * r, "{checked} {deepest}");
-        assert!(worst < 0.03, "{}: {worst}", solid.name);
+        assert!(worst < 0.1, "{}: {worst}", solid.name);
     }
 }
 

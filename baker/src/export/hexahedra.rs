@@ -63,22 +63,15 @@ fn cells(runs: &[CellRun], thirds: &Nodes) -> Vec<[u32; POINTS]> {
     out
 }
 
-/// Where a point of a cell has its value from.
-enum Source {
-    /// It is one of the element's nodes.
-    Node(usize),
-    /// The values of the 32 shape functions.
-    Shape([f64; NODES]),
-}
-
-fn sources() -> Vec<Source> {
+/// The values of the 32 shape functions at each point of a cell; at the nodes exactly 1 and 0.
+fn weights() -> Vec<[f64; NODES]> {
     let thirds = |xi: DVec3| (1.5 * (xi + DVec3::ONE)).round().as_uvec3();
     let place = |p: u32| UVec3::new(p % 4, p / 4 % 4, p / 16);
-    let source = |at: UVec3| match (0..NODES).find(|&a| thirds(node(a)) == at) {
-        Some(a) => Source::Node(a),
-        None => Source::Shape(shape(at.as_dvec3() / 1.5 - DVec3::ONE)),
+    let at = |place: UVec3| match (0..NODES).find(|&a| thirds(node(a)) == place) {
+        Some(own) => std::array::from_fn(|a| f64::from(u8::from(a == own))),
+        None => shape(place.as_dvec3() / 1.5 - DVec3::ONE),
     };
-    (0..POINTS as u32).map(|p| source(place(p))).collect()
+    (0..POINTS as u32).map(|p| at(place(p))).collect()
 }
 
 /// The fields' values at the points, element by element.
@@ -88,16 +81,13 @@ fn spread(
     cells: &[[u32; POINTS]],
     points: usize,
 ) -> Result<[Vec<f64>; 2], Error> {
-    let sources = sources();
+    let weights = weights();
     let mut out = [vec![0.0; points], vec![0.0; points]];
     for (numbers, cell) in band_nodes(asset)?.iter().zip(cells) {
         for (field, out) in fields.iter().zip(&mut out) {
             let nodes = numbers.map(|number| field[number as usize]);
-            for (&point, source) in cell.iter().zip(&sources) {
-                out[point as usize] = match source {
-                    Source::Node(a) => nodes[*a],
-                    Source::Shape(weights) => weights.iter().zip(&nodes).map(|(w, x)| w * x).sum(),
-                };
+            for (&point, weights) in cell.iter().zip(&weights) {
+                out[point as usize] = weights.iter().zip(&nodes).map(|(w, x)| w * x).sum();
             }
         }
     }

@@ -145,7 +145,7 @@ fn product([x, y, z]: [u32; 3]) -> Option<u64> {
 
 /// A box of cells that are as large as it says, but for rounding.
 fn check_box(grid: &DiscreteGrid, inverse: [f64; 3]) -> Result<(), ExportError> {
-    for axis in 0..3 {
+    for (axis, per_size) in inverse.into_iter().enumerate() {
         let (low, high, cells) = (grid.min[axis], grid.max[axis], grid.resolution[axis]);
         let size = grid.cell_size[axis];
         if !((high - low).is_finite() && low < high && cells > 0) {
@@ -153,11 +153,8 @@ fn check_box(grid: &DiscreteGrid, inverse: [f64; 3]) -> Result<(), ExportError> 
         }
         let rounding = 1e-9 * f64::max(low.abs(), high.abs()).max(high - low);
         let fits = (size * f64::from(cells) - (high - low)).abs() <= rounding;
-        if !(size > 0.0 && fits && (size * inverse[axis] - 1.0).abs() <= 1e-9) {
-            return damaged(format!(
-                "{cells} cells of {size:e}, 1 / {:e}, from {low:e} to {high:e}",
-                inverse[axis]
-            ));
+        if !(size > 0.0 && fits && (size * per_size - 1.0).abs() <= 1e-9) {
+            return damaged(format!("{cells} cells of {size:e}, 1 / {per_size:e}, {low:e} to {high:e}"));
         }
     }
     Ok(())
