@@ -1,7 +1,7 @@
 //! Distances deep in the solid, where an asset has none: SPlisHSPlasH pushes a particle that got there back along the
 //! gradient. Each corner of a solid cell gets the closest point of the surface that a neighbour knows, from the band
 //! inwards: Danielsson 1980, *Euclidean Distance Mapping*. The points stand about a cell apart, so the distance is a
-//! little too large: tests find some hundredths of a cell.
+//! little too large: by up to 0.11 cells in a sphere and a torus at 40^3 cells.
 
 use glam::UVec3;
 use volmap_runtime::serendipity::{node, shape_and_gradient};
