@@ -5,14 +5,14 @@ use std::process::Command;
 use volmap_tests::python;
 
 /// The program, beside the folder of the tests; `cargo build --release` makes it.
-fn volmap() -> PathBuf {
+pub fn volmap() -> PathBuf {
     let tests = std::env::current_exe().unwrap();
     let program = tests.parent().and_then(Path::parent).unwrap().join("volmap");
     assert!(program.exists(), "{} is missing: cargo build --release", program.display());
     program
 }
 
-fn run(command: &mut Command) -> String {
+pub fn run(command: &mut Command) -> String {
     let output = command.output().unwrap_or_else(|error| panic!("{command:?}: {error}"));
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
     let errors = String::from_utf8_lossy(&output.stderr);
@@ -20,7 +20,7 @@ fn run(command: &mut Command) -> String {
     text
 }
 
-fn bake(folder: &Path, mesh: &str, options: &str) -> PathBuf {
+pub fn bake(folder: &Path, mesh: &str, options: &str) -> PathBuf {
     let target = folder.join(format!("{}.h5", options.replace([' ', '.', '%'], "_")));
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../data").join(mesh);
     let mut command = Command::new(volmap());

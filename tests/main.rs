@@ -2,6 +2,7 @@
 
 mod analytic;
 mod density;
+mod exchange;
 mod peer;
 mod queries;
 mod tolerance;
@@ -9,6 +10,8 @@ mod volume;
 
 #[cfg(feature = "interop")]
 mod interop_asset;
+#[cfg(feature = "interop")]
+mod interop_export;
 #[cfg(feature = "interop")]
 mod interop_meshes;
 #[cfg(feature = "interop")]

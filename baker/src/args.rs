@@ -1,5 +1,6 @@
 //! The command line: raw arguments, then validated options.
 
+pub mod exchange;
 pub mod report;
 pub mod slice;
 
@@ -52,6 +53,10 @@ pub enum Command {
     Report(Box<report::ReportArguments>),
     /// Draw a map on a plane
     Slice(slice::SliceArguments),
+    /// Write a map for other programs: VTKHDF, VTI, PLY, or SPlisHSPlasH's own
+    Export(exchange::ExportArguments),
+    /// Make an asset of a map of SPlisHSPlasH
+    Import(exchange::ImportArguments),
 }
 
 #[derive(Debug, Args)]

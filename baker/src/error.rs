@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 use volmap_formats::asset::AssetError;
+use volmap_formats::export::ExportError;
 use volmap_formats::mesh::MeshError;
 
 /// Why a bake ended without an asset.
@@ -29,6 +30,20 @@ pub enum Error {
     /// The asset can't be written or read.
     #[error(transparent)]
     Asset(#[from] AssetError),
+    /// The asset can't be opened.
+    #[error(transparent)]
+    Map(#[from] volmap_runtime::Error),
+    /// A file of another program can't be written or read.
+    #[error(transparent)]
+    Export(#[from] ExportError),
+    /// A map of another program can't be used as it is.
+    #[error("{}: {reason}", path.display())]
+    Import {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it and the cure.
+        reason: String,
+    },
     /// A setting can't be used.
     #[error("{option}: {reason}")]
     Setting {

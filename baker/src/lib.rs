@@ -9,6 +9,8 @@ pub mod bake;
 pub mod density_map;
 pub mod describe;
 pub mod error;
+pub mod export;
+pub mod import;
 pub mod info;
 pub mod input;
 pub mod maps;

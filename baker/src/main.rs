@@ -4,21 +4,13 @@ mod args;
 mod progress;
 mod run;
 
-use anyhow::{Context, Result, bail};
-use args::slice::SliceArguments;
-use args::{Arguments, BakeArguments, Command};
+use anyhow::Result;
+use args::{Arguments, Command};
 use clap::Parser;
-use progress::Progress;
-use std::io::{self, BufWriter, Write};
-use std::path::{Path, PathBuf};
+use run::{bake, exchange, query, report, slice};
+use std::io;
+use std::path::Path;
 use std::process::ExitCode;
-use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Instant;
-use volmap_baker::bake::bake;
-use volmap_baker::summary::bytes;
-use volmap_baker::{info, input, points, provenance, slice};
-use volmap_formats::asset;
-use volmap_runtime::VolumeMap;
 
 fn main() -> ExitCode {
     match run(Arguments::parse().command) {
@@ -34,121 +26,15 @@ fn main() -> ExitCode {
 
 fn run(command: Command) -> Result<ExitCode> {
     match command {
-        Command::Bake(arguments) => run_bake(&arguments)?,
-        Command::Info { asset, json } => run_info(&asset, json)?,
-        Command::Query { asset, points, json } => run_query(&asset, &points, json)?,
-        Command::Report(arguments) => return run::report::run_report(&arguments),
-        Command::Slice(arguments) => run_slice(&arguments)?,
+        Command::Bake(arguments) => bake::run_bake(&arguments)?,
+        Command::Info { asset, json } => query::run_info(&asset, json)?,
+        Command::Query { asset, points, json } => query::run_query(&asset, &points, json)?,
+        Command::Report(arguments) => return report::run_report(&arguments),
+        Command::Slice(arguments) => slice::run_slice(&arguments)?,
+        Command::Export(arguments) => exchange::run_export(&arguments)?,
+        Command::Import(arguments) => exchange::run_import(&arguments)?,
     }
     Ok(ExitCode::SUCCESS)
-}
-
-fn run_bake(arguments: &BakeArguments) -> Result<()> {
-    let output = arguments.output();
-    if is_same_file(&arguments.mesh, &output) {
-        bail!("{}: would overwrite the mesh; name another file with --output", output.display());
-    }
-    asset::check_target(&output)?;
-    if let Some(threads) = arguments.threads {
-        rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
-    }
-    let writing = exit_between_writes()?;
-    let mut progress = Progress::new(arguments.quiet);
-    let start = Instant::now();
-    let input = input::load(&arguments.mesh, &arguments.input())?;
-    let read_seconds = start.elapsed().as_secs_f64();
-    let mut baked =
-        bake(input, &arguments.settings(), &mut |plan| progress.plan(plan), &mut |step| progress.step(step))?;
-    progress.finish();
-    let start = Instant::now();
-    {
-        let mut written = writing.lock().unwrap_or_else(PoisonError::into_inner);
-        asset::write(&output, &baked.asset, arguments.compression())?;
-        *written = true;
-    }
-    baked.summary.seconds.insert(0, ("read", read_seconds));
-    baked.summary.seconds.push(("write", start.elapsed().as_secs_f64()));
-    let file_bytes = std::fs::metadata(&output)?.len();
-    let mut out = io::stdout().lock();
-    if arguments.json {
-        writeln!(out, "{:#}", info::to_json(&baked.asset, file_bytes))?;
-    } else if !arguments.quiet {
-        writeln!(out, "{}", baked.summary)?;
-        writeln!(out, "asset      {} ({})", output.display(), bytes(file_bytes))?;
-        writeln!(
-            out,
-            "next       volmap info {0}\n           volmap query {0} --points points.csv",
-            output.display()
-        )?;
-    }
-    Ok(())
-}
-
-/// Ends the program on Ctrl-C at once, but not while the lock is held: nothing half-written stays. The flag says
-/// whether the asset is written.
-fn exit_between_writes() -> Result<Arc<Mutex<bool>>> {
-    let writing = Arc::new(Mutex::new(false));
-    let handler_lock = writing.clone();
-    ctrlc::set_handler(move || {
-        let written = handler_lock.lock().unwrap_or_else(PoisonError::into_inner);
-        eprintln!("stopped; {}", if *written { "the asset is complete" } else { "nothing was written" });
-        std::process::exit(130);
-    })?;
-    Ok(writing)
-}
-
-fn run_info(path: &Path, json: bool) -> Result<()> {
-    let asset = asset::read(path)?;
-    let file_bytes = std::fs::metadata(path)?.len();
-    let mut out = io::stdout().lock();
-    match json {
-        true => writeln!(out, "{:#}", info::to_json(&asset, file_bytes))?,
-        false => write!(out, "{}", info::to_text(&asset, file_bytes))?,
-    }
-    Ok(())
-}
-
-fn run_query(path: &Path, table: &Path, json: bool) -> Result<()> {
-    let map = VolumeMap::open(path)?;
-    let name = || table.display().to_string();
-    let points: Box<dyn io::Read> = match table.as_os_str() == "-" {
-        true => Box::new(io::stdin().lock()),
-        false => Box::new(std::fs::File::open(table).with_context(name)?),
-    };
-    let mut out = BufWriter::new(io::stdout().lock());
-    match json {
-        true => points::query_json(&map, points, &mut out).with_context(name)?,
-        false => points::query_csv(&map, points, &mut out).with_context(name)?,
-    }
-    Ok(out.flush()?)
-}
-
-fn run_slice(arguments: &SliceArguments) -> Result<()> {
-    let sources: Vec<&PathBuf> = [&arguments.asset].into_iter().chain(&arguments.mesh).collect();
-    let targets: Vec<&PathBuf> = [&arguments.output].into_iter().chain(&arguments.csv).collect();
-    for target in &targets {
-        if let Some(source) = sources.iter().find(|source| is_same_file(source, target)) {
-            bail!("{}: would overwrite {}; name another file", target.display(), source.display());
-        }
-        asset::check_target(target)?;
-    }
-    let content = asset::read(&arguments.asset)?;
-    let input = match &arguments.mesh {
-        Some(path) => Some(input::load(path, &provenance::input_settings(&content)?)?),
-        None => None,
-    };
-    let warning = input.as_ref().and_then(|input| provenance::other_mesh(&content, &input.source));
-    warning.iter().for_each(|warning| eprintln!("warning: {warning}"));
-    let map = VolumeMap::from_asset(&content)?;
-    let mesh = input.as_ref().map(|input| slice::NamedMesh { mesh: &input.mesh, name: &input.source.file });
-    let slice = slice::slice(&map, &arguments.settings(), mesh)?;
-    asset::publish(&arguments.output, &slice.figure.to_png())?;
-    if let Some(path) = &arguments.csv {
-        let mut table = Vec::new();
-        slice::write_csv(&slice.raster, &mut table)?;
-        asset::publish(path, &table)?;
-    }
-    Ok(())
 }
 
 fn is_same_file(a: &Path, b: &Path) -> bool {

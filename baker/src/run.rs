@@ -1,3 +1,7 @@
 //! Subcommands: files in, files out, and what is said in between.
 
+pub mod bake;
+pub mod exchange;
+pub mod query;
 pub mod report;
+pub mod slice;

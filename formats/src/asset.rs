@@ -6,9 +6,9 @@
 
 mod density;
 mod error;
-mod filters;
+pub(crate) mod filters;
 #[cfg(feature = "write")]
-mod publish;
+pub(crate) mod publish;
 mod read;
 mod rounded;
 mod schema;

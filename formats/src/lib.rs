@@ -2,11 +2,14 @@
 //!
 //! - [`mesh`] (feature `mesh`): OBJ, STL, PLY, OFF, glTF, 3MF and VTK files into one [`mesh::TriangleMesh`];
 //! - [`asset`]: the volume-map asset, an HDF5 file described in `SPEC.md`; [`asset::read()`] is always there,
-//!   `asset::write` needs the feature `write`.
+//!   `asset::write` needs the feature `write`;
+//! - `export` (feature `export`): files for other programs: VTK, PLY, and Discregrid's, which is read, too.
 //!
 //! Guaranteed: no panic on any input, memory bounded by the size of the input, a damaged asset is an error
 //! and never another number. Not guaranteed: that a mesh is closed or oriented; the baker diagnoses that.
 
 pub mod asset;
+#[cfg(feature = "export")]
+pub mod export;
 #[cfg(feature = "mesh")]
 pub mod mesh;

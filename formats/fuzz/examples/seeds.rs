@@ -5,7 +5,9 @@
 mod samples;
 
 use std::path::Path;
+use volmap_baker::export::discregrid::discregrid;
 use volmap_formats::asset::{self, Array, Asset, CellRun, Compression, Exterior, GridSpec, QuadratureSpec};
+use volmap_formats::export::cdm;
 use volmap_formats::mesh::MeshFormat;
 
 /// One cell of the band beside one of the solid, its 32 nodes made up.
@@ -30,7 +32,7 @@ fn asset() -> Asset {
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus");
-    for target in ["open_asset", "open_content", "read_mesh"] {
+    for target in ["import_cdm", "open_asset", "open_content", "read_mesh"] {
         std::fs::create_dir_all(corpus.join(target))?;
     }
     asset::write(&corpus.join("open_asset/zstd"), &asset(), Compression::Zstd(1))?;
@@ -41,6 +43,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // Grid, radius, exterior, volume of the ball; one run in the band, none in the solid; two fields; points.
     let content = [&[1; 12][..], &[1, 0, 0, 0, 1, 0, 3, 9, 3, 5], &[8; 40]].concat();
     std::fs::write(corpus.join("open_content/one_cell"), content)?;
+    std::fs::write(corpus.join("import_cdm/one_cell"), cdm::to_bytes(&discregrid(&asset(), true)?))?;
     for (number, sample) in samples::boxes().into_iter().enumerate() {
         let format = MeshFormat::ALL.iter().position(|&f| f == sample.format).unwrap_or(0) as u8;
         std::fs::write(corpus.join(format!("read_mesh/{number}")), [&[format][..], &sample.bytes].concat())?;

@@ -1,0 +1,36 @@
+//! `volmap export` and `volmap import`.
+
+use crate::args::exchange::{ExportArguments, ImportArguments};
+use crate::is_same_file;
+use anyhow::{Result, bail};
+use std::io::{self, Write};
+use volmap_baker::summary::{bytes, thousands};
+use volmap_baker::{export, import};
+use volmap_formats::asset::{self, Compression};
+
+/// Writes a map for other programs.
+pub fn run_export(arguments: &ExportArguments) -> Result<()> {
+    let output = &arguments.output;
+    if is_same_file(&arguments.asset, output) {
+        bail!("{}: would overwrite the asset; name another file with --output", output.display());
+    }
+    asset::check_target(output)?;
+    let content = export::export(&asset::read(&arguments.asset)?, output, &arguments.settings())?;
+    let file_bytes = std::fs::metadata(output)?.len();
+    Ok(writeln!(io::stdout(), "{}: {content} ({})", output.display(), bytes(file_bytes))?)
+}
+
+/// Makes an asset of another program's map.
+pub fn run_import(arguments: &ImportArguments) -> Result<()> {
+    let output = &arguments.output;
+    if is_same_file(&arguments.map, output) {
+        bail!("{}: would overwrite the map; name another file with --output", output.display());
+    }
+    asset::check_target(output)?;
+    let import = import::import(&arguments.map, &arguments.settings())?;
+    asset::write(output, &import.asset, Compression::default())?;
+    import.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
+    let nodes = import.asset.volume.len() as u64;
+    let file_bytes = std::fs::metadata(output)?.len();
+    Ok(writeln!(io::stdout(), "{}: {} nodes ({})", output.display(), thousands(nodes), bytes(file_bytes))?)
+}
