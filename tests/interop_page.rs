@@ -103,7 +103,7 @@ fn browser_shows_sorts_and_prints_a_page() {
     std::fs::create_dir_all(&folder).unwrap();
     std::fs::write(folder.join("page.html"), page().to_html()).unwrap();
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("interop/open_page.py");
-    let output = Command::new(python()).arg(script).arg(folder.join("page.html")).output().unwrap();
+    let output = Command::new(python()).arg(script).arg(folder.join("page.html")).arg("2").output().unwrap();
     let text = String::from_utf8_lossy(&output.stdout);
     assert!(output.status.success(), "{text}\n{}", String::from_utf8_lossy(&output.stderr));
     print!("{text}");

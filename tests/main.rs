@@ -5,6 +5,7 @@ mod density;
 mod exchange;
 mod peer;
 mod queries;
+mod report;
 mod tolerance;
 mod volume;
 
@@ -16,3 +17,5 @@ mod interop_export;
 mod interop_meshes;
 #[cfg(feature = "interop")]
 mod interop_page;
+#[cfg(feature = "interop")]
+mod interop_report;

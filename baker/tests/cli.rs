@@ -542,3 +542,83 @@ fn options_of_the_density_need_it() {
     }
     assert!(names(&folder).is_empty());
 }
+
+#[test]
+fn a_report_writes_its_files_and_its_exit_code_is_the_verdict() {
+    let folder = folder();
+    let mesh = data("duck.obj");
+    fs::copy(&mesh, folder.path().join("duck.obj")).unwrap();
+    output(volmap(&folder).args(["bake", "duck.obj", "--resolution", "12", "-q"]));
+    let quick = ["--points", "200", "--mesh-points", "20", "--pixels", "32"];
+    // The mesh is found beside the asset.
+    let text = output(volmap(&folder).args(["report", "duck.h5"]).args(quick));
+    assert!(text.contains("% of the full ball") && text.contains("exact distance to the mesh"), "{text}");
+    let parts = ["html", "json", "thin.png", "worst.png", "x.png", "y.png", "z.png"];
+    let mut expected = vec!["duck.h5".to_string(), "duck.obj".into()];
+    expected.extend(parts.map(|part| format!("duck.report.{part}")));
+    assert_eq!(names(&folder), expected);
+    let html = fs::read_to_string(folder.path().join("duck.report.html")).unwrap();
+    assert!(html.contains("Error report of duck.h5") && html.contains("No limit given"));
+
+    // Only the JSON, and the verdict as the exit code.
+    for part in &expected[2..] {
+        fs::remove_file(folder.path().join(part)).unwrap();
+    }
+    let gate = |limit: &str| {
+        let mut command = volmap(&folder);
+        command.args(["report", "duck.h5", "--max-error", limit, "--json", "-"]).args(quick);
+        command
+    };
+    let passed: serde_json::Value = serde_json::from_str(&output(&mut gate("20%"))).unwrap();
+    assert_eq!(passed["verdict"]["passed"], true);
+    let run = gate("0.001%").assert().code(1);
+    let failed: serde_json::Value = serde_json::from_slice(&run.get_output().stdout).unwrap();
+    assert_eq!(failed["verdict"]["passed"], false);
+    assert_eq!(failed["verdict"]["max_error"], passed["verdict"]["max_error"]);
+    assert_eq!(names(&folder), ["duck.h5", "duck.obj"]);
+
+    // Without the mesh the asset is compared with itself.
+    fs::remove_file(folder.path().join("duck.obj")).unwrap();
+    let alone: serde_json::Value = serde_json::from_str(&output(&mut gate("20%"))).unwrap();
+    assert_eq!(
+        (&alone["verdict"]["reference"], &alone["mesh"]),
+        (&"fine-own".into(), &serde_json::Value::Null)
+    );
+    // Another mesh, with a warning; a name of one's own.
+    let other = volmap(&folder)
+        .args(["report", "duck.h5", "-o", "other", "--mesh"])
+        .arg(data("tank.obj"))
+        .args(quick)
+        .assert()
+        .success();
+    let warning = String::from_utf8(other.get_output().stderr.clone()).unwrap();
+    assert!(warning.contains("tank.obj is not the mesh that was baked"), "{warning}");
+    assert!(folder.path().join("other.report.html").exists());
+}
+
+#[test]
+fn a_report_refuses_what_it_cannot_do() {
+    let folder = folder();
+    output(volmap(&folder).arg("bake").arg(data("duck.obj")).args(["--resolution", "8", "-q"]));
+    for (options, reason) in [
+        (["--mesh", "lost.obj"], "lost.obj"),
+        (["--json", "no/such/file.json"], "there is no folder"),
+        (["--json", "duck.h5"], "would overwrite"),
+        (["-o", "no/such/name"], "there is no folder"),
+    ] {
+        let text = error(volmap(&folder).args(["report", "duck.h5"]).args(options));
+        assert!(text.contains(reason), "{text}");
+        assert_eq!(names(&folder), ["duck.h5"]);
+    }
+    for (options, reason) in [
+        (["--max-error", "much"], "a part of the ball"),
+        (["--max-error", "-1%"], "a part of the ball"),
+        (["--shape", "cone:1,2"], "sphere:x,y,z,radius"),
+        (["--points", "0"], "from 1"),
+        (["--pixels", "5"], "16 to 2048"),
+    ] {
+        let run = volmap(&folder).args(["report", "duck.h5"]).args(options).assert().code(2);
+        let text = String::from_utf8(run.get_output().stderr.clone()).unwrap();
+        assert!(text.contains(reason), "{text}");
+    }
+}

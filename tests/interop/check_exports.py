@@ -19,6 +19,7 @@ import trimesh
 import vtk
 from vtk.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 
+import read_asset
 from compare_reader import query
 
 REMOVED, UNSAMPLED = 0xFFFFFFFF, np.finfo(np.float64).max
@@ -45,7 +46,7 @@ class Case:
 
     def query(self, points):
         """Regions, distances (nan where unknown), volumes."""
-        regions, numbers = query(self.volmap, self.asset, points, self.folder)
+        regions, numbers = query(self.volmap, self.asset, points, self.folder, read_asset.COLUMNS)
         return np.array(regions), numbers[:, 0], numbers[:, 7]
 
     def check(self, what, difference, bound):

@@ -1,7 +1,9 @@
 """Opens a page of volmap in headless Chromium: light, dark, on a phone, in print. Fails on any message of the console,
 any request, any overflow, a table that doesn't sort. Screenshots and the PDF are left beside the page.
 
-python open_page.py PAGE.html
+python open_page.py PAGE.html COLUMN
+
+COLUMN of the first table holds numbers that are not in order; the first column is 1.
 """
 
 import pathlib
@@ -62,17 +64,17 @@ def check_structure(page):
     assert scripts == 1, f"{scripts} scripts"
 
 
-def check_sorting(page):
-    """A click on the second head sorts by number, up and down; what isn't a number stays last."""
+def check_sorting(page, number):
+    """A click on the head of a column of numbers sorts by them, up and down; what isn't a number stays last."""
     table = page.locator("table.sortable").first
-    column = lambda: table.locator("tbody tr td:nth-child(2)").evaluate_all(
+    column = lambda: table.locator(f"tbody tr td:nth-child({number})").evaluate_all(
         "cells => cells.map(c => c.dataset.v === undefined ? null : Number(c.dataset.v))"
     )
     before = column()
     numbers = sorted(x for x in before if x is not None)
     empty = [x for x in before if x is None]
     assert numbers != before[: len(numbers)], "the rows of the test are not in order"
-    head = table.locator("th").nth(1)
+    head = table.locator("th").nth(number - 1)
     head.locator("button").click()
     assert column() == numbers + empty, column()
     assert head.get_attribute("aria-sort") == "ascending"
@@ -84,7 +86,7 @@ def check_sorting(page):
     assert names == sorted(names), names
 
 
-def main(path):
+def main(path, column):
     path = pathlib.Path(path).resolve()
     with sync_playwright() as playwright:
         browser = chromium(playwright)
@@ -102,7 +104,7 @@ def main(path):
             check_structure(page)
             check_contrast(page, form)
             page.screenshot(path=path.with_name(f"{form}.png"), full_page=True)
-            check_sorting(page)
+            check_sorting(page, column)
             if form == "light":
                 page.pdf(path=path.with_name("print.pdf"), format="A4", print_background=False)
                 page.emulate_media(media="print")
@@ -115,4 +117,4 @@ def main(path):
         browser.close()
 
 
-main(sys.argv[1])
+main(sys.argv[1], int(sys.argv[2]))

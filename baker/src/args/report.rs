@@ -23,7 +23,7 @@ pub struct ReportArguments {
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
     /// Largest error of the volume in the fluid, as a part of the full ball; above it the exit code is 1
-    #[arg(long, value_name = "PART", value_parser = limit)]
+    #[arg(long, value_name = "PART", value_parser = limit, allow_hyphen_values = true)]
     max_error: Option<f64>,
     /// The shape that the mesh stands for, in metres: sphere:x,y,z,radius, halfspace:x,y,z,nx,ny,nz or
     /// box:x0,y0,z0,x1,y1,z1; `inverted-` before it for a container

@@ -98,7 +98,7 @@ pub enum Limits {
 /// A kind of pixel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Category {
-    /// For the legend.
+    /// For the legend; empty: not in it.
     pub name: String,
     /// Colour.
     pub colour: Rgb,

@@ -167,7 +167,8 @@ pub fn entries(panel: &Panel, text: f64) -> Vec<Entry> {
     let mut add = |sign: Sign, name: &str| entries.push(Entry { sign, name: name.to_owned() });
     let pixels = &panel.raster.pixels;
     if let Colouring::Categories(all) = &panel.colouring {
-        all.iter().for_each(|category| add(Sign::Box(Paint::Colour(category.colour)), &category.name));
+        let named = all.iter().filter(|category| !category.name.is_empty());
+        named.for_each(|category| add(Sign::Box(Paint::Colour(category.colour)), &category.name));
     }
     for line in panel.lines.iter().filter(|line| !line.name.is_empty()) {
         add(Sign::Line(pen(line, text)), &line.name);

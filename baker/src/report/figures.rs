@@ -3,8 +3,8 @@
 use super::findings::Findings;
 use super::slices::ErrorSlice;
 use super::thin::Thin;
-use super::views::View;
-use crate::picture::colours::{BLACK, DISTINCT};
+use super::views::{SHADES, View};
+use crate::picture::colours::{BLACK, DISTINCT, WHITE};
 use crate::picture::scale::number;
 use crate::picture::{
     At, Category, Chart, ChartAxis, ColourMap, Colouring, Data, Figure, Limits, Line, Marker, Panel, Pixel,
@@ -92,12 +92,17 @@ pub fn view_picture(views: &[View]) -> Option<Picture> {
     if views.is_empty() {
         return None;
     }
-    let shaded = |colour: Rgb| colour.map(|c| (f64::from(c) * 0.8) as u8);
-    let lit = Thin::ALL.into_iter().zip(THIN);
-    let mut categories: Vec<Category> =
-        lit.map(|(kind, colour)| Category { name: kind.describe().into(), colour }).collect();
-    // The same in the shade, which no legend needs.
-    categories.extend(THIN.map(|colour| Category { name: String::new(), colour: shaded(colour) }));
+    let named = |kind: Thin, shade| if shade == 0 { kind.describe().to_string() } else { String::new() };
+    let shaded =
+        |colour: Rgb, shade: usize| colour.map(|c| (f64::from(c) * (1.0 - 0.12 * shade as f64)) as u8);
+    let mut categories = Vec::new();
+    for shade in 0..SHADES {
+        let kinds = Thin::ALL.into_iter().zip(THIN);
+        categories.extend(
+            kinds.map(|(kind, colour)| Category { name: named(kind, shade), colour: shaded(colour, shade) }),
+        );
+    }
+    categories.push(Category { name: String::new(), colour: WHITE });
     let panel = |view: &View| Panel {
         title: format!("seen along {}", view.axis.name()),
         raster: view.kinds.clone(),

@@ -85,10 +85,11 @@ fn volume(findings: &Findings) -> Section {
         row
     };
     let mut columns = vec![Column::text("reference"), Column::text("where")];
-    columns.extend(columns_of("% of the ball"));
-    columns.extend([Column::number("largest, m³"), Column::text("worst point, m")]);
+    columns.extend(columns_of_statistics());
+    columns.extend([Column::number("max, m³"), Column::text("worst point, m")]);
     let rows = findings.volume.iter().map(row).collect();
-    blocks.push(Block::Table(Table { caption: "Error of the volume".into(), columns, rows }));
+    let caption = "Error of the volume, % of the full ball".into();
+    blocks.push(Block::Table(Table { caption, columns, rows }));
     blocks.extend(parts(findings));
     blocks.push(Block::Chart(
         distance_chart(findings).to_svg(),
@@ -112,17 +113,16 @@ fn parts(findings: &Findings) -> Option<Block> {
         row
     };
     let mut columns = vec![Column::text("part")];
-    columns.extend(columns_of("% of the ball"));
+    columns.extend(columns_of_statistics());
     let rows = findings.parts.iter().map(row).collect();
-    let caption = "Where the error comes from: signed parts that add up to the whole at each point".into();
+    let caption =
+        "Where the error comes from, % of the full ball: signed parts that add up to the whole at each point"
+            .into();
     Some(Block::Table(Table { caption, columns, rows }))
 }
 
-fn columns_of(unit: &str) -> Vec<Column> {
-    ["points", "max", "bias", "± 95 %", "mean", "rms", "50 %", "90 %", "99 %", "99.9 %"]
-        .map(|name| if name == "points" { name.into() } else { format!("{name}, {unit}") })
-        .map(Column::number)
-        .into()
+fn columns_of_statistics() -> [Column; 10] {
+    ["points", "max", "rms", "mean", "50 %", "90 %", "99 %", "99.9 %", "bias", "± (95 %)"].map(Column::number)
 }
 
 /// In per cent of the statistics' unit.
@@ -131,9 +131,10 @@ fn cells(found: &Statistics) -> Vec<Cell> {
 }
 
 fn cells_in(found: &Statistics, factor: f64) -> Vec<Cell> {
-    let numbers = [found.max, found.bias, found.bias_confidence, found.mean, found.rms];
     let mut out = vec![Cell::written(found.count.to_string(), found.count as f64)];
-    out.extend(numbers.into_iter().chain(found.percentiles).map(|x| Cell::number(factor * x)));
+    let sizes = [found.max, found.rms, found.mean].into_iter().chain(found.percentiles);
+    let numbers = sizes.chain([found.bias, found.bias_confidence]);
+    out.extend(numbers.map(|x| Cell::number(factor * x)));
     out
 }
 
@@ -153,7 +154,7 @@ fn distance(found: &DistanceErrors) -> Section {
         row
     };
     let mut columns = vec![Column::text("error of")];
-    columns.extend(columns_of("").into_iter().map(|c| Column { name: c.name.replace(", ", ""), ..c }));
+    columns.extend(columns_of_statistics());
     columns.push(Column::text("worst point, m"));
     let rows = vec![
         row("distance, m", &found.metres),

@@ -45,7 +45,7 @@ impl Reference {
     pub fn describe(self) -> String {
         match self {
             Reference::Gl100Own => {
-                format!("{PAPER_RULE} on the asset's own distance (the paper's definition)")
+                format!("{PAPER_RULE} on the asset's own distance, as the paper's")
             }
             Reference::FineOwn => format!("{FINE_RULE} (converged) on the asset's own distance"),
             Reference::Gl100Mesh => format!("{PAPER_RULE} on the exact distance to the mesh"),
@@ -62,17 +62,31 @@ pub struct OwnIntegrals<'a> {
     fine: LineRule,
     /// The asset's.
     own: Option<LineRule>,
+    /// See [`Integrator::cut_sides`].
+    cut: [[bool; 2]; 3],
 }
 
 impl<'a> OwnIntegrals<'a> {
     /// Of a model.
     pub fn new(model: &'a Model) -> OwnIntegrals<'a> {
+        let integrator = Integrator::new(&model.field, model.radius);
         OwnIntegrals {
-            integrator: Integrator::new(&model.field, model.radius),
+            cut: integrator.cut_sides(),
+            integrator,
             paper: LineRule::new(PAPER_RULE.points()),
             fine: LineRule::new(FINE_RULE.points()),
             own: model.rule.map(|rule| LineRule::new(rule.points())),
         }
+    }
+
+    /// Whether a box sees nothing of what lies beyond a side of the domain that cuts the surface's surroundings.
+    pub fn knows(&self, low: DVec3, high: DVec3) -> bool {
+        let grid = &self.integrator.field().grid;
+        let (from, to) = (grid.origin, grid.max_corner());
+        (0..3).all(|axis| {
+            let [lower, upper] = self.cut[axis];
+            !(lower && low[axis] < from[axis] || upper && high[axis] > to[axis])
+        })
     }
 
     /// By the paper's rule.

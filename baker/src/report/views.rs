@@ -11,12 +11,15 @@ use glam::DVec3;
 pub struct View {
     /// Along which axis.
     pub axis: Axis,
-    /// Per pixel, the index of [`Thin::ALL`], plus their number where the surface is in the shade.
+    /// Per pixel, the index of [`Thin::ALL`], plus their number for each step of the shade; [`NOTHING`] beside the
+    /// surface.
     pub kinds: Raster,
 }
 
-/// Light comes from the viewer; what is turned away by more than this cosine is in the shade.
-const SHADE: f64 = 0.5;
+/// Steps of the shade: the more, the more the surface is turned away from the viewer.
+pub const SHADES: usize = 5;
+/// Instead of a kind.
+pub const NOTHING: usize = SHADES * Thin::ALL.len();
 
 /// The solid from three sides.
 pub fn views(model: &Model, solid: &Solid, pixels: usize) -> Vec<View> {
@@ -34,12 +37,13 @@ fn view(model: &Model, solid: &Solid, axis: Axis, pixels: usize) -> View {
     let cell = thin::cell(model);
     let mut kinds = points.iter().zip(widths).map(|((_, triangle), width)| {
         let kind = width.kind(cell, model.radius) as usize;
-        let in_shade = thin::normal(solid, *triangle)[axis.index()].abs() < SHADE;
-        Pixel::Value((kind + if in_shade { Thin::ALL.len() } else { 0 }) as f64)
+        let facing = thin::normal(solid, *triangle)[axis.index()].abs();
+        let shade = ((1.0 - facing) * SHADES as f64).min(SHADES as f64 - 1.0) as usize;
+        Pixel::Value((kind + shade * Thin::ALL.len()) as f64)
     });
     let pixel = |seen: &Option<(DVec3, u32)>| match seen {
         Some(_) => kinds.next().unwrap_or(Pixel::Unknown),
-        None => Pixel::Fluid,
+        None => Pixel::Value(NOTHING as f64),
     };
     let pixels = seen.iter().map(pixel).collect();
     View { axis, kinds: Raster { lattice, pixels } }

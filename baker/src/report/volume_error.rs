@@ -157,8 +157,7 @@ fn parts(
     let at = grid.locate(x)?;
     let corner = grid.cell_corner(at.cell);
     let (low, high) = (corner - model.radius, corner + grid.cell_size + model.radius);
-    let (from, to) = (grid.origin, grid.max_corner());
-    if low.cmplt(from).any() || high.cmpgt(to).any() {
+    if !own.knows(low, high) {
         return None;
     }
     let quadrature = own.own(x, block)?;

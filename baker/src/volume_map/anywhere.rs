@@ -93,6 +93,43 @@ impl<'a> Integrator<'a> {
         Integrator { field, contents: contents(field, radius), radius }
     }
 
+    /// The field.
+    pub fn field(&self) -> &DistanceField {
+        self.field
+    }
+
+    /// For x, y, z, whether the lower and the upper side of the domain cut the surface's surroundings: whether a cell
+    /// there holds anything but what lies outside. Integrals that reach across such a side don't know what is there.
+    pub fn cut_sides(&self) -> [[bool; 2]; 3] {
+        let n = self.field.grid.resolution;
+        let outside = content_outside(self.field.exterior);
+        let mut cut = [[false; 2]; 3];
+        let mut mark = |cell: [u32; 3]| {
+            for (axis, (at, last)) in cell.into_iter().zip((n - 1).to_array()).enumerate() {
+                cut[axis][0] |= at == 0;
+                cut[axis][1] |= at == last;
+            }
+        };
+        for (j, k) in (0..n.z).flat_map(|k| (0..n.y).map(move |j| (j, k))) {
+            let mut runs = self.field.cells.runs_from(0, j, k).peekable();
+            let whole_row = j == 0 || k == 0 || j == n.y - 1 || k == n.z - 1;
+            for i in (0..n.x).filter(|&i| whole_row || i == 0 || i == n.x - 1) {
+                while runs.next_if(|(range, _)| range.end <= i).is_some() {}
+                let content = match runs.peek() {
+                    Some((range, Cell::Band(numbers))) if range.start <= i => {
+                        self.contents[numbers.along(i - range.start).cell()]
+                    }
+                    Some((range, Cell::Solid)) if range.start <= i => Content::One as u8,
+                    _ => Content::Zero as u8,
+                };
+                if content != outside as u8 {
+                    mark([i, j, k]);
+                }
+            }
+        }
+        cut
+    }
+
     /// Boundary volume at a point by each of the rules, m^3.
     pub fn volumes<const N: usize>(&self, rules: [&LineRule; N], x: DVec3, block: &mut Block) -> [f64; N] {
         let grid = &self.field.grid;
@@ -135,8 +172,7 @@ impl<'a> Integrator<'a> {
         let known = |content| BlockCell { content, number: 0 };
         let resolution = self.field.grid.resolution.as_ivec3();
         if at.cmplt(IVec3::ZERO).any() || at.cmpge(resolution).any() {
-            let solid = self.field.exterior == Exterior::Solid;
-            return known(if solid { Content::One } else { Content::Zero });
+            return known(content_outside(self.field.exterior));
         }
         let numbers = match self.field.cells.find(at.as_uvec3()) {
             Cell::Band(numbers) => numbers,
@@ -151,6 +187,13 @@ impl<'a> Integrator<'a> {
                 BlockCell { content: Content::Mixed, number: monomials.len() as u32 - 1 }
             }
         }
+    }
+}
+
+fn content_outside(exterior: Exterior) -> Content {
+    match exterior {
+        Exterior::Solid => Content::One,
+        Exterior::Fluid => Content::Zero,
     }
 }
 
