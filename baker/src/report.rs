@@ -6,6 +6,7 @@
 //! The model is Fig. 6 of Bender et al. 2020, *Implicit Frictional Boundary Handling for SPH*: the map, its difference
 //! to an order-100 integral at every pixel, the surface, the largest error.
 
+pub mod density_error;
 pub mod distance_error;
 pub mod figures;
 pub mod findings;
@@ -30,6 +31,7 @@ use glam::DVec3;
 use model::{Model, Solid};
 use shape::Shape;
 use slices::ErrorSlice;
+use statistics::Measurement;
 use thin::Width;
 use views::View;
 use volmap_formats::asset::Asset;
@@ -100,7 +102,9 @@ impl Report {
     pub fn pictures(&self) -> Vec<Picture> {
         let mesh = self.solid.as_ref().map(|solid| (&solid.mesh, solid.name.as_str()));
         let mut out = slice_pictures(&self.slices, mesh);
-        out.extend(view_picture(&self.views));
+        let signs = self.findings.signs.iter().flat_map(|signs| &signs.worst);
+        let disagreeing: Vec<DVec3> = signs.map(|(point, _)| DVec3::from(*point)).collect();
+        out.extend(view_picture(&self.views, &disagreeing));
         out
     }
 }
@@ -133,7 +137,7 @@ pub fn report(
     enter(Step::Samples(work.clone()));
     let volumes = volume_error::measure(&measuring, &points, &work);
     enter(Step::Surface);
-    let surface = solid.as_ref().map(|solid| surface(&model, solid, &points));
+    let surface = solid.as_ref().map(|solid| surface((asset, &model), solid, &points));
     let worst = findings::worst_point(&volumes);
     let slices = slices::slices(&model, worst, settings.pixels, &mut |total| {
         let work = Work::new(total);
@@ -166,6 +170,8 @@ pub struct Measured<'a> {
 
 /// What needs the mesh.
 pub struct Surface {
+    /// Errors of the density, if the asset has one.
+    pub density: Option<Vec<Measurement>>,
     /// Errors of distance and normal.
     pub errors: distance_error::DistanceErrors,
     /// Where signs differ.
@@ -174,11 +180,13 @@ pub struct Surface {
     pub widths: Vec<Width>,
 }
 
-fn surface(model: &Model, solid: &Solid, points: &[DVec3]) -> Surface {
+fn surface((asset, model): (&Asset, &Model), solid: &Solid, points: &[DVec3]) -> Surface {
     let corner = |v: u32| DVec3::from(solid.mesh.vertices[v as usize]);
     let corners: Vec<[DVec3; 3]> = solid.mesh.triangles.iter().map(|triangle| triangle.map(corner)).collect();
     let reach = thin::reach(model);
+    let density = asset.density.as_ref();
     Surface {
+        density: density.and_then(|density| density_error::measure((model, density), solid, points)),
         errors: distance_error::measure(model, solid, points),
         signs: compare_signs(&solid.phi.mesh, &points_near_surface(&corners)),
         widths: thin::widths(solid, &thin::spread(&corners), reach),

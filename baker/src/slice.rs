@@ -21,6 +21,8 @@ pub enum Field {
     /// Volume of the solid in the ball, m^3.
     #[default]
     Volume,
+    /// Boundary density over rest density, if the asset has it.
+    Density,
     /// Signed distance, m.
     Distance,
     /// A component (0, 1, 2) of the normal.
@@ -66,6 +68,9 @@ pub struct NamedMesh<'a> {
 /// A plane outside the domain; the angle of normals without a mesh.
 pub fn slice(map: &VolumeMap, settings: &Settings, mesh: Option<NamedMesh>) -> Result<Slice, Error> {
     let lattice = lattice(map, settings)?;
+    if settings.field == Field::Density && map.density_kernel().is_none() {
+        return Err(Error::setting("--field density", "the asset has none; bake it with --density"));
+    }
     let tree = match (settings.field, mesh) {
         (Field::NormalAngle, None) => {
             return Err(Error::setting("--field normal-angle", "needs --mesh, to compare with"));
@@ -84,8 +89,10 @@ pub fn slice(map: &VolumeMap, settings: &Settings, mesh: Option<NamedMesh>) -> R
             let points: Vec<DVec3> = (0..lattice.size[0]).map(|i| lattice.point(i, j)).collect();
             let mut samples = Vec::new();
             map.sample_batch(&points, &mut samples);
-            let pixel =
-                |(sample, point): (&Sample, &DVec3)| pixel(settings.field, sample, *point, tree.as_ref());
+            let pixel = |(sample, point): (&Sample, &DVec3)| match (settings.field, map.density(*point)) {
+                (Field::Density, Some(density)) if sample.near().is_some() => Pixel::Value(density.value),
+                _ => pixel(settings.field, sample, *point, tree.as_ref()),
+            };
             let distance = |sample: &Sample| sample.near().map_or(f64::NAN, |near| near.distance);
             (samples.iter().zip(&points).map(pixel).collect(), samples.iter().map(distance).collect())
         })
@@ -138,7 +145,7 @@ fn pixel(field: Field, sample: &Sample, point: DVec3, tree: Option<&Bvh>) -> Pix
                 false => Pixel::Unknown,
             }
         }
-        (Field::NormalAngle, None) => Pixel::Unknown,
+        (Field::NormalAngle, None) | (Field::Density, _) => Pixel::Unknown,
     }
 }
 
@@ -176,6 +183,7 @@ fn lines(raster: &Raster, distances: &[f64], settings: &Settings, mesh: Option<N
 fn quantity(field: Field) -> Quantity {
     match field {
         Field::Volume => Quantity::new("volume", "m³"),
+        Field::Density => Quantity::new("boundary density / rest density", ""),
         Field::Distance => Quantity::new("distance", "m"),
         Field::Normal(component) => {
             Quantity::new(format!("{} of the normal", ["x", "y", "z"][component.min(2)]), "")
@@ -186,7 +194,7 @@ fn quantity(field: Field) -> Quantity {
 
 fn colouring(field: Field) -> Colouring {
     match field {
-        Field::Volume => Colouring::Linear(ColourMap::Viridis, Limits::Auto),
+        Field::Volume | Field::Density => Colouring::Linear(ColourMap::Viridis, Limits::Auto),
         Field::Distance => Colouring::Linear(ColourMap::BlueRed, Limits::Auto),
         Field::Normal(_) => Colouring::Linear(ColourMap::BlueRed, Limits::Given([-1.0, 1.0])),
         Field::NormalAngle => Colouring::Log(ColourMap::Viridis, Limits::Auto),

@@ -453,6 +453,8 @@ fn slice_refuses_what_it_cannot_draw() {
     assert!(far.contains("--plane: z = 99 is outside the domain, where z goes from"), "{far}");
     let alone = refused(&["--plane", "z=0", "--field", "normal-angle", "-o", "s.png"]);
     assert!(alone.contains("needs --mesh"), "{alone}");
+    let none = refused(&["--plane", "z=0", "--field", "density", "-o", "s.png"]);
+    assert!(none.contains("bake it with --density"), "{none}");
     let nowhere = refused(&["--plane", "z=0", "-o", "no/such/s.png"]);
     assert!(nowhere.contains("there is no folder"), "{nowhere}");
     let lost = refused(&["--plane", "z=0", "-o", "s.png", "--mesh", "lost.obj"]);
@@ -507,6 +509,16 @@ fn a_density_is_baked_shown_and_asked_for() {
         (&"gl20".into(), &"gl20".into())
     );
     assert!(density["max"].as_f64().unwrap() > 1.5, "{density}");
+
+    output(volmap(&folder).args(["slice", "duck.h5", "--plane", "z=0", "--field", "density", "-o", "d.png"]));
+    let report = ["report", "duck.h5", "--points", "20", "--json", "-", "--mesh"];
+    let report: serde_json::Value =
+        serde_json::from_str(&output(volmap(&folder).args(report).arg(data("duck.obj")))).unwrap();
+    let density = &report["density"];
+    assert_eq!((&density["kernel"], &density["quadrature"]), (&"wendland_c2".into(), &"gl20".into()));
+    let max = density["rest_densities"]["max"].as_f64().unwrap();
+    // Cells of 1.1 r and a coarse rule: some per cent, of densities up to 4.
+    assert!((1e-4..0.2).contains(&max), "{density}");
 
     let points = "x,y,z\n0.62,0,0\n0,0,0\n9,9,9\n";
     let query = ["query", "duck.h5", "--points", "-"];

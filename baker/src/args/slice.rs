@@ -37,6 +37,8 @@ pub struct SliceArguments {
 enum FieldName {
     #[default]
     Volume,
+    /// If the asset has it
+    Density,
     Distance,
     NormalX,
     NormalY,
@@ -50,6 +52,7 @@ impl SliceArguments {
     pub fn settings(&self) -> Settings {
         let field = match self.field {
             FieldName::Volume => Field::Volume,
+            FieldName::Density => Field::Density,
             FieldName::Distance => Field::Distance,
             FieldName::NormalX => Field::Normal(0),
             FieldName::NormalY => Field::Normal(1),

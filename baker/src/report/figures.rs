@@ -10,6 +10,7 @@ use crate::picture::{
     At, Category, Chart, ChartAxis, ColourMap, Colouring, Data, Figure, Limits, Line, Marker, Panel, Pixel,
     Quantity, Raster, Rgb, Series, contours, section,
 };
+use glam::DVec3;
 use volmap_formats::mesh::TriangleMesh;
 
 /// A picture.
@@ -87,8 +88,8 @@ fn percent(raster: &Raster) -> Raster {
 /// Colours of [`Thin::ALL`].
 const THIN: [Rgb; 5] = [[225, 228, 232], DISTINCT[4], DISTINCT[0], DISTINCT[3], DISTINCT[1]];
 
-/// The surface from three sides, coloured by what is thin.
-pub fn view_picture(views: &[View]) -> Option<Picture> {
+/// The surface from three sides, coloured by what is thin, and the places where signs differ.
+pub fn view_picture(views: &[View], disagreeing: &[DVec3]) -> Option<Picture> {
     if views.is_empty() {
         return None;
     }
@@ -109,7 +110,14 @@ pub fn view_picture(views: &[View]) -> Option<Picture> {
         quantity: Quantity::new("what is thin", ""),
         colouring: Colouring::Categories(categories.clone()),
         lines: Vec::new(),
-        markers: Vec::new(),
+        markers: disagreeing
+            .iter()
+            .map(|point| Marker {
+                name: "signs differ".into(),
+                at: view.kinds.lattice.project(*point),
+                colour: BLACK,
+            })
+            .collect(),
     };
     let figure = Figure { title: String::new(), panels: views.iter().map(panel).collect(), columns: 3 };
     Some(Picture {
@@ -117,7 +125,8 @@ pub fn view_picture(views: &[View]) -> Option<Picture> {
         png: figure.to_png(),
         alt: "The surface from three sides, thin walls and narrow gaps in colour".into(),
         caption: "The surface from the positive ends of the axes. In colour: walls and gaps that are narrower than the \
-                  support radius or a cell. Where a wall is thinner than a cell, the map may leak."
+                  support radius or a cell. Where a wall is thinner than a cell, the map may leak. Marked: where \
+                  pseudonormals and winding numbers differ, if they do."
             .into(),
     })
 }

@@ -1,6 +1,6 @@
 //! What was found, as it stands in the JSON file.
 
-use super::reference::{FINE_RULE, Reference};
+use super::reference::{FINE_RULE, PAPER_RULE, Reference};
 use super::slices::ErrorSlice;
 use super::statistics::{DistanceBin, HistogramBar, Measurement, Statistics, by_distance, histogram};
 use super::thin::{self, Thin, Width};
@@ -42,6 +42,8 @@ pub struct Findings {
     pub histogram: Vec<HistogramBar>,
     /// The same by distance from the surface.
     pub by_distance: Vec<DistanceBin>,
+    /// Errors of the density, if the asset has one.
+    pub density: Option<DensityErrors>,
     /// Errors of distance and normal.
     pub distance: Option<DistanceErrors>,
     /// Errors on slices, against order 100 on the asset's own distance.
@@ -173,6 +175,19 @@ pub struct PartErrors {
     pub fraction: Statistics,
 }
 
+/// Errors of the density map, in the whole band.
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+pub struct DensityErrors {
+    /// The SPH kernel.
+    pub kernel: String,
+    /// The rule that integrated it.
+    pub quadrature: String,
+    /// What it is compared with.
+    pub description: String,
+    /// In rest densities.
+    pub rest_densities: Statistics,
+}
+
 /// Errors of distance and normal, in the whole band.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct DistanceErrors {
@@ -289,6 +304,7 @@ pub fn findings(measured: &Measured, settings: &Settings, slices: &[ErrorSlice])
         parts: part_errors(&measured.volumes, ball),
         histogram: histogram(&best, ball),
         by_distance: by_distance(&best, ball, radius, BINS),
+        density: surface.and_then(|surface| density_errors(measured, surface)),
         distance: surface.map(|surface| distance_errors(surface, radius)),
         slices: slices.iter().filter_map(slice_errors).collect(),
         thin: surface.map(|surface| thin_places(measured, &surface.widths)),
@@ -377,6 +393,16 @@ fn part_errors(samples: &[VolumeSample], ball: f64) -> Vec<PartErrors> {
         (fraction.count > 0).then(|| PartErrors { part, description: part.describe().into(), fraction })
     };
     Part::ALL.into_iter().filter_map(errors).collect()
+}
+
+fn density_errors(measured: &Measured, surface: &Surface) -> Option<DensityErrors> {
+    let (field, errors) = (measured.asset.density.as_ref()?, surface.density.as_ref()?);
+    Some(DensityErrors {
+        kernel: field.kernel.clone(),
+        quadrature: field.quadrature.clone(),
+        description: format!("{PAPER_RULE} on the exact distance to the mesh"),
+        rest_densities: Statistics::of(errors.iter(), 1.0),
+    })
 }
 
 fn distance_errors(surface: &Surface, radius: f64) -> DistanceErrors {

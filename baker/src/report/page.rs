@@ -1,7 +1,7 @@
 //! A report as a page.
 
 use super::figures::{Picture, distance_chart, histogram_chart};
-use super::findings::{DistanceErrors, Findings, ThinPlaces};
+use super::findings::{DensityErrors, DistanceErrors, Findings, ThinPlaces};
 use super::statistics::Statistics;
 use crate::page::{Block, Cell, Column, Image, Outcome, Page, Parameter, Section, Table, Verdict};
 use crate::picture::scale::number;
@@ -17,6 +17,7 @@ pub fn page(name: &str, findings: &Findings, pictures: Vec<Picture>) -> Page {
         sections
             .push(Section { title: "Pictures".into(), blocks: pictures.into_iter().map(image).collect() });
     }
+    sections.extend(findings.density.as_ref().map(density));
     sections.extend(findings.distance.as_ref().map(distance));
     sections.extend(findings.thin.as_ref().map(|thin| places(findings, thin)));
     sections.push(parameters(findings));
@@ -144,6 +145,23 @@ fn worst_place(found: &Statistics) -> Cell {
 
 fn place([x, y, z]: [f64; 3]) -> String {
     format!("({x:.4}, {y:.4}, {z:.4})")
+}
+
+fn density(found: &DensityErrors) -> Section {
+    let mut row = vec![Cell::text(found.description.clone())];
+    row.extend(cells_in(&found.rest_densities, 1.0));
+    row.push(worst_place(&found.rest_densities));
+    let mut columns = vec![Column::text("reference")];
+    columns.extend(columns_of_statistics());
+    columns.push(Column::text("worst point, m"));
+    let caption = format!(
+        "Error of the density in rest densities; kernel {}, integrated by {}",
+        found.kernel, found.quadrature
+    );
+    Section {
+        title: "Density".into(),
+        blocks: vec![Block::Table(Table { caption, columns, rows: vec![row] })],
+    }
 }
 
 fn distance(found: &DistanceErrors) -> Section {

@@ -72,7 +72,7 @@ fn slice(
         (0..lattice.size[1]).into_par_iter().map_init(Block::default, row).collect();
     let all = rows.concat();
     let raster = |value: &dyn Fn(&PixelValues) -> f64| Raster {
-        lattice: lattice.clone(),
+        lattice,
         pixels: all
             .iter()
             .map(|pixel| match pixel.known {

@@ -179,7 +179,7 @@ mod tests {
         let measurement = |i: usize| Measurement {
             point: DVec3::splat(i as f64),
             distance: -2.0 + 4.0 * i as f64 / n as f64,
-            value: if i % 2 == 0 { i as f64 } else { -(i as f64) },
+            value: if i.is_multiple_of(2) { i as f64 } else { -(i as f64) },
             reference: 0.0,
         };
         (0..n).map(measurement).collect()
