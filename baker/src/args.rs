@@ -2,6 +2,7 @@
 
 pub mod exchange;
 pub mod report;
+pub mod reproduce;
 pub mod slice;
 
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
@@ -57,6 +58,8 @@ pub enum Command {
     Export(exchange::ExportArguments),
     /// Make an asset of a map of SPlisHSPlasH
     Import(exchange::ImportArguments),
+    /// Repeat the experiments of Bender et al. 2020 and compare the figures; some three minutes
+    Reproduce(reproduce::ReproduceArguments),
 }
 
 #[derive(Debug, Args)]

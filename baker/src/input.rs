@@ -48,8 +48,19 @@ pub struct Source {
 /// # Errors
 /// A file that can't be read or used; a placement that can't be.
 pub fn load(path: &Path, settings: &InputSettings) -> Result<Input, Error> {
-    let bytes = mesh::read_bytes(path)?;
-    let (raw, hash) = rayon::join(|| mesh::parse_mesh(path, &bytes), || blake3::hash(&bytes));
+    from_bytes(path, mesh::read_bytes(path)?, settings)
+}
+
+/// The same from a file's bytes; `path` tells the format and is named in errors.
+///
+/// # Errors
+/// Bytes that are no mesh; a placement that can't be.
+pub fn from_bytes(
+    path: &Path,
+    bytes: impl AsRef<[u8]> + Sync,
+    settings: &InputSettings,
+) -> Result<Input, Error> {
+    let (raw, hash) = rayon::join(|| mesh::parse_mesh(path, bytes.as_ref()), || blake3::hash(bytes.as_ref()));
     drop(bytes);
     let raw = raw?;
     let source = Source {

@@ -22,6 +22,7 @@ pub mod points;
 pub mod provenance;
 pub mod random;
 pub mod report;
+pub mod reproduce;
 pub mod rows;
 pub mod sdf;
 pub mod slice;

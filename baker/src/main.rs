@@ -7,7 +7,7 @@ mod run;
 use anyhow::Result;
 use args::{Arguments, Command};
 use clap::Parser;
-use run::{bake, exchange, query, report, slice};
+use run::{bake, exchange, query, report, reproduce, slice};
 use std::io;
 use std::path::Path;
 use std::process::ExitCode;
@@ -33,6 +33,7 @@ fn run(command: Command) -> Result<ExitCode> {
         Command::Slice(arguments) => slice::run_slice(&arguments)?,
         Command::Export(arguments) => exchange::run_export(&arguments)?,
         Command::Import(arguments) => exchange::run_import(&arguments)?,
+        Command::Reproduce(arguments) => reproduce::run_reproduce(&arguments)?,
     }
     Ok(ExitCode::SUCCESS)
 }

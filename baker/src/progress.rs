@@ -9,6 +9,7 @@ use volmap_baker::bake::Step;
 use volmap_baker::maps::Stage;
 use volmap_baker::plan::Plan;
 use volmap_baker::report;
+use volmap_baker::reproduce;
 use volmap_baker::summary::{bytes, thousands};
 use volmap_baker::work::Work;
 
@@ -67,6 +68,11 @@ impl Progress {
             report::Step::Slices(work) => ("integrating at pixels", Some(work)),
             report::Step::Pictures => ("drawing", None),
         });
+    }
+
+    /// Names the step of an experiment.
+    pub fn reproduce(&self, step: reproduce::Step) {
+        self.show((step.name, step.work));
     }
 
     fn show(&self, shown: Shown) {

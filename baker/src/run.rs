@@ -4,4 +4,5 @@ pub mod bake;
 pub mod exchange;
 pub mod query;
 pub mod report;
+pub mod reproduce;
 pub mod slice;
