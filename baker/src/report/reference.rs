@@ -5,7 +5,9 @@ use super::shape::Shape;
 use crate::sdf::{Neighbours, SignedDistance};
 use crate::volume_map::anywhere::{Block, Integrator, LineRule};
 use crate::volume_map::oracle;
+use crate::volume_map::pixel_rows::{self, Pixels};
 use crate::volume_map::quadrature::{Point, Rule, along_curve};
+use crate::work::Work;
 use glam::DVec3;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -89,10 +91,9 @@ impl<'a> OwnIntegrals<'a> {
         })
     }
 
-    /// By the paper's rule.
-    pub fn paper(&self, x: DVec3, block: &mut Block) -> f64 {
-        let [volume] = self.integrator.volumes([&self.paper], x, block);
-        volume
+    /// By the paper's rule, at the pixels of a slice.
+    pub fn paper_at_pixels(&self, pixels: &Pixels, work: &Work) -> Vec<f64> {
+        pixel_rows::volumes(&self.integrator, &PAPER_RULE.points(), pixels, work)
     }
 
     /// By the paper's rule and the converged one.

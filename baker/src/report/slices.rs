@@ -3,7 +3,7 @@
 use super::model::Model;
 use super::reference::OwnIntegrals;
 use crate::picture::{Axis, Pixel, PixelLattice, Plane, Raster};
-use crate::volume_map::anywhere::Block;
+use crate::volume_map::pixel_rows::Pixels;
 use crate::work::Work;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -62,34 +62,48 @@ fn slice(
     lattice: PixelLattice,
     (through_worst, work): (bool, &Work),
 ) -> ErrorSlice {
-    let row = |block: &mut Block, j: usize| {
-        let points: Vec<DVec3> = (0..lattice.size[0]).map(|i| lattice.point(i, j)).collect();
-        let row = row(&model.map, own, &points, block);
-        work.add(points.len() as u64);
-        row
-    };
     let rows: Vec<Vec<PixelValues>> =
-        (0..lattice.size[1]).into_par_iter().map_init(Block::default, row).collect();
+        (0..lattice.size[1]).into_par_iter().map(|j| row(&model.map, &lattice, j)).collect();
     let all = rows.concat();
-    let raster = |value: &dyn Fn(&PixelValues) -> f64| Raster {
+    let wanted = all.iter().map(|pixel| matches!(pixel.known, Pixel::Value(_))).collect();
+    let paper = own.paper_at_pixels(&pixels(&lattice, wanted), work);
+    let raster = |values: &mut dyn Iterator<Item = f64>| Raster {
         lattice,
         pixels: all
             .iter()
-            .map(|pixel| match pixel.known {
-                Pixel::Value(_) => Pixel::Value(value(pixel)),
+            .zip(values)
+            .map(|(pixel, value)| match pixel.known {
+                Pixel::Value(_) => Pixel::Value(value),
                 other => other,
             })
             .collect(),
     };
-    let error = |pixel: &PixelValues| (pixel.volume - pixel.paper) / model.ball;
-    let errors = all.iter().zip(lattice.points()).filter(|(pixel, _)| matches!(pixel.known, Pixel::Value(_)));
-    let errors = errors.map(|(pixel, point)| (point, error(pixel)));
+    let error = |(pixel, paper): (&PixelValues, &f64)| (pixel.volume - paper) / model.ball;
+    let volume = raster(&mut all.iter().map(|pixel| pixel.volume));
+    let error = raster(&mut all.iter().zip(&paper).map(error));
+    let errors = error.pixels.iter().zip(lattice.points()).filter_map(|(pixel, point)| match pixel {
+        Pixel::Value(error) => Some((point, *error)),
+        _ => None,
+    });
     ErrorSlice {
         worst: errors.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())),
-        volume: raster(&|pixel| pixel.volume),
-        error: raster(&error),
+        volume,
+        error,
         distance: all.iter().map(|pixel| pixel.distance).collect(),
         through_worst,
+    }
+}
+
+/// The lattice as places on the axes.
+fn pixels(lattice: &PixelLattice, wanted: Vec<bool>) -> Pixels {
+    let [right, up] = lattice.axes.map(Axis::index);
+    let normal = lattice.plane.axis.index();
+    Pixels {
+        axes: [right, up, normal],
+        along: (0..lattice.size[0]).map(|i| lattice.point(i, 0)[right]).collect(),
+        across: (0..lattice.size[1]).map(|j| lattice.point(0, j)[up]).collect(),
+        plane: lattice.plane.at,
+        wanted,
     }
 }
 
@@ -99,24 +113,19 @@ struct PixelValues {
     known: Pixel,
     distance: f64,
     volume: f64,
-    paper: f64,
 }
 
-fn row(map: &VolumeMap, own: &OwnIntegrals, points: &[DVec3], block: &mut Block) -> Vec<PixelValues> {
+fn row(map: &VolumeMap, lattice: &PixelLattice, j: usize) -> Vec<PixelValues> {
+    let points: Vec<DVec3> = (0..lattice.size[0]).map(|i| lattice.point(i, j)).collect();
     let mut samples = Vec::new();
-    map.sample_batch(points, &mut samples);
-    let pixel = |(sample, point): (&Sample, &DVec3)| {
-        let known = |known| PixelValues { known, distance: f64::NAN, volume: f64::NAN, paper: f64::NAN };
-        match sample {
-            Sample::Outside => known(Pixel::Fluid),
-            Sample::DeepInside => known(Pixel::Solid),
-            Sample::Near(near) => PixelValues {
-                known: Pixel::Value(0.0),
-                distance: near.distance,
-                volume: near.volume,
-                paper: own.paper(*point, block),
-            },
+    map.sample_batch(&points, &mut samples);
+    let known = |known| PixelValues { known, distance: f64::NAN, volume: f64::NAN };
+    let pixel = |sample: &Sample| match sample {
+        Sample::Outside => known(Pixel::Fluid),
+        Sample::DeepInside => known(Pixel::Solid),
+        Sample::Near(near) => {
+            PixelValues { known: Pixel::Value(0.0), distance: near.distance, volume: near.volume }
         }
     };
-    samples.iter().zip(points).map(pixel).collect()
+    samples.iter().map(pixel).collect()
 }

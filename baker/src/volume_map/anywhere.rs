@@ -15,19 +15,21 @@ use volmap_runtime::serendipity::NODES;
 /// A rule for the unit ball, as lines along x.
 #[derive(Clone, Debug)]
 pub struct LineRule {
-    lines: Vec<Line>,
-    x: Vec<f64>,
-    weight: Vec<f64>,
+    /// Sorted by z, then y.
+    pub(super) lines: Vec<Line>,
+    pub(super) x: Vec<f64>,
+    pub(super) weight: Vec<f64>,
     /// Sums of the weights before each point, and of all.
-    summed: Vec<f64>,
+    pub(super) summed: Vec<f64>,
 }
 
+/// Points of a rule on a line along x.
 #[derive(Clone, Copy, Debug)]
-struct Line {
-    y: f64,
-    z: f64,
-    first: usize,
-    end: usize,
+pub(super) struct Line {
+    pub y: f64,
+    pub z: f64,
+    pub first: usize,
+    pub end: usize,
 }
 
 impl LineRule {
@@ -64,9 +66,9 @@ impl LineRule {
 
 /// A field and a radius, ready for integrals.
 pub struct Integrator<'a> {
-    field: &'a DistanceField,
+    pub(super) field: &'a DistanceField,
     contents: Vec<u8>,
-    radius: f64,
+    pub(super) radius: f64,
 }
 
 /// The cells around the last point, which often are those around the next.
@@ -80,11 +82,12 @@ pub struct Block {
     layer: Vec<Surface>,
 }
 
+/// What a cell holds.
 #[derive(Clone, Copy, Debug)]
-struct BlockCell {
-    content: Content,
+pub(super) struct BlockCell {
+    pub content: Content,
     /// In the block's monomials, if the content is mixed.
-    number: u32,
+    pub number: u32,
 }
 
 impl<'a> Integrator<'a> {
@@ -168,7 +171,8 @@ impl<'a> Integrator<'a> {
         }
     }
 
-    fn block_cell(&self, at: IVec3, monomials: &mut Vec<[f64; NODES]>) -> BlockCell {
+    /// What a cell holds; its monomials of s, if that is mixed, come to the others.
+    pub(super) fn block_cell(&self, at: IVec3, monomials: &mut Vec<[f64; NODES]>) -> BlockCell {
         let known = |content| BlockCell { content, number: 0 };
         let resolution = self.field.grid.resolution.as_ivec3();
         if at.cmplt(IVec3::ZERO).any() || at.cmpge(resolution).any() {
@@ -244,7 +248,7 @@ fn along_line<'a>(
 }
 
 /// The function of the mathematical library isn't inlined for the baseline of x86-64.
-fn floor(x: f64) -> f64 {
+pub(super) fn floor(x: f64) -> f64 {
     let towards_zero = x as i64 as f64;
     if towards_zero > x { towards_zero - 1.0 } else { towards_zero }
 }
@@ -286,17 +290,20 @@ impl Block {
     }
 }
 
-/// The monomials are listed in `kernel`.
-fn surface_at(m: &[f64; NODES], z: f64) -> [f64; 12] {
+/// A cell at constant z: the coefficients of [`Surface::Mixed`]. The monomials are listed in `kernel`.
+#[inline(always)]
+pub(super) fn surface_at(m: &[f64; NODES], z: f64) -> [f64; 12] {
     let base = |at: usize| m[at] + z * (m[at + 4] + z * (m[24 + at] + z * m[28 + at]));
     let low = |at: usize| m[at] + z * m[at + 2];
     [base(0), base(2), low(16), low(20), base(1), base(3), low(17), low(21), low(8), low(9), low(12), low(13)]
 }
 
 /// The coefficients of 1, x, x^2, x^3 at constant y.
-fn cubic_on_line(c: &[f64; 12], y: f64) -> [f64; 4] {
-    let cubic = |at: usize| c[at] + y * (c[at + 1] + y * (c[at + 2] + y * c[at + 3]));
-    [cubic(0), cubic(4), c[8] + y * c[9], c[10] + y * c[11]]
+#[inline(always)]
+pub(super) fn cubic_on_line(c: &[f64; 12], y: f64) -> [f64; 4] {
+    let constant = c[0] + y * (c[1] + y * (c[2] + y * c[3]));
+    let linear = c[4] + y * (c[5] + y * (c[6] + y * c[7]));
+    [constant, linear, c[8] + y * c[9], c[10] + y * c[11]]
 }
 
 #[cfg(test)]

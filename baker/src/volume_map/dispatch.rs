@@ -5,7 +5,8 @@
 //! and with the same bits. Other processors have them in their baseline, as aarch64 does.
 #![allow(unsafe_code)]
 
-use super::kernel::{self, Group, Window, linear};
+use super::kernel::{self, Group, Lanes, Window, linear};
+use super::pixel_rows::{self, LineOnRows};
 
 /// The kernel for a processor, for windows of up to `S` cells.
 #[derive(Clone, Copy, Debug)]
@@ -47,6 +48,22 @@ pub fn linear_kernel<const S: usize>() -> Kernel<S> {
         return Kernel { accumulate, ..kernel() };
     }
     Kernel { accumulate: linear::accumulate, ..portable() }
+}
+
+/// [`pixel_rows::accumulate`] for this processor.
+pub fn pixel_rows_kernel() -> fn(&LineOnRows, &mut [[Lanes; 2]]) {
+    #[cfg(target_arch = "x86_64")]
+    if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
+        // SAFETY: this processor has AVX2 and FMA.
+        return |line, sums| unsafe { accumulate_on_rows(line, sums) };
+    }
+    pixel_rows::accumulate
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma")]
+fn accumulate_on_rows(line: &LineOnRows, sums: &mut [[Lanes; 2]]) {
+    pixel_rows::accumulate(line, sums)
 }
 
 #[cfg(target_arch = "x86_64")]

@@ -23,7 +23,7 @@ pub const LANES: usize = 4;
 /// One number of each of [`LANES`] cells.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(align(32))]
-struct Lanes([f64; LANES]);
+pub struct Lanes(pub [f64; LANES]);
 
 const BASE: usize = 0;
 const X2: usize = 8;
@@ -153,7 +153,12 @@ fn integrate<const S: usize>(group: &Group, cells: &Cells<S>) -> Lanes {
             }
         }
     }
-    let [outer, inner] = sums;
+    from_powers(sums)
+}
+
+/// The integral of gamma* from those of a^3 and (a - 1/2)_+^3.
+#[inline(always)]
+pub fn from_powers([outer, inner]: [Lanes; 2]) -> Lanes {
     outer.scale(2.0).sub(inner.scale(8.0))
 }
 
@@ -202,18 +207,24 @@ impl Plane {
 
 /// s on a line along x: the coefficients of 1, x, x^2, x^3.
 #[derive(Default)]
-struct Line([Lanes; 4]);
+pub struct Line(pub [Lanes; 4]);
 
 impl Line {
     /// Adds the weighted a^3 and (a - 1/2)_+^3 of points on the line.
     #[inline(always)]
-    fn sum(&self, points: &[[f64; 2]], [outer, inner]: &mut [Lanes; 2]) {
+    fn sum(&self, points: &[[f64; 2]], sums: &mut [Lanes; 2]) {
         for &[x, weight] in points {
-            let a = self.at(x).clamp_unit();
-            let b = a.above_half();
-            *outer = a.mul(a).mul(a).times_plus(weight, *outer);
-            *inner = b.mul(b).mul(b).times_plus(weight, *inner);
+            self.add(x, weight, sums);
         }
+    }
+
+    /// The same for one point.
+    #[inline(always)]
+    pub fn add(&self, x: f64, weight: f64, [outer, inner]: &mut [Lanes; 2]) {
+        let a = self.at(x).clamp_unit();
+        let b = a.above_half();
+        *outer = a.mul(a).mul(a).times_plus(weight, *outer);
+        *inner = b.mul(b).mul(b).times_plus(weight, *inner);
     }
 
     #[inline(always)]
