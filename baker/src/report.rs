@@ -65,7 +65,7 @@ impl Default for Settings {
             seed: 1,
             shape: None,
             max_error: None,
-            pixels: 192,
+            pixels: 288,
         }
     }
 }

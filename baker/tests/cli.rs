@@ -335,9 +335,13 @@ fn killing_leaves_nothing_half_done() {
         process.stderr(Stdio::null()).stdout(Stdio::null());
         process
     };
-    let start = std::time::Instant::now();
-    assert!(bake("0.2").status().unwrap().success());
-    let whole = start.elapsed();
+    let time = || {
+        let start = std::time::Instant::now();
+        assert!(bake("0.2").status().unwrap().success());
+        start.elapsed()
+    };
+    // Others may slow one run down.
+    let whole = time().min(time()).min(time());
     let complete = fs::read(&target).unwrap();
     assert!(bake("0.4").status().unwrap().success());
     let older = fs::read(&target).unwrap();

@@ -24,8 +24,11 @@ pub struct ErrorSlice {
     pub through_worst: bool,
 }
 
-/// Three slices through the middle of the domain, and one through the worst point, across the axis that is closest to
-/// the surface there. `begin` gets the number of pixels.
+/// Around the worst point so many support radii are shown, at most.
+const AROUND: f64 = 10.0;
+
+/// Three slices through the middle of the domain, and one of the surroundings of the worst point, across the axis that
+/// is closest to the surface there. `begin` gets the number of pixels.
 pub fn slices(
     model: &Model,
     worst: Option<DVec3>,
@@ -37,20 +40,18 @@ pub fn slices(
     }
     let (low, high) = (model.map.grid().origin, model.map.grid().max_corner());
     let middle = 0.5 * (low + high);
-    let mut planes: Vec<(Plane, bool)> =
-        Axis::ALL.map(|axis| (Plane { axis, at: middle[axis.index()] }, false)).to_vec();
+    let plane = |axis: Axis, through: DVec3| Plane { axis, at: through[axis.index()] };
+    let whole = |axis| (PixelLattice::over(plane(axis, middle), low, high, pixels), false);
+    let mut lattices = Axis::ALL.map(whole).to_vec();
     if let Some(worst) = worst {
         let normal = match model.map.sample(worst) {
             Sample::Near(near) => near.normal.abs(),
             _ => DVec3::Z,
         };
         let axis = Axis::ALL[normal.min_position()];
-        planes.push((Plane { axis, at: worst[axis.index()] }, true));
+        let (low, high) = (low.max(worst - AROUND * model.radius), high.min(worst + AROUND * model.radius));
+        lattices.push((PixelLattice::over(plane(axis, worst), low, high, pixels), true));
     }
-    let lattices: Vec<(PixelLattice, bool)> = planes
-        .into_iter()
-        .map(|(plane, worst)| (PixelLattice::over(plane, low, high, pixels), worst))
-        .collect();
     let work = begin(lattices.iter().map(|(lattice, _)| lattice.len() as u64).sum());
     let own = OwnIntegrals::new(model);
     lattices.into_iter().map(|(lattice, through)| slice(model, &own, lattice, (through, &work))).collect()
