@@ -638,3 +638,27 @@ fn a_report_refuses_what_it_cannot_do() {
         assert!(text.contains(reason), "{text}");
     }
 }
+
+#[test]
+fn an_experiment_of_the_paper_is_run_by_its_name() {
+    let folder = folder();
+    let list = output(volmap(&folder).args(["reproduce", "--list"]));
+    assert_eq!(list.lines().count(), 4);
+    assert!(list.contains("density map and a volume map"), "{list}");
+    let table = output(volmap(&folder).args(["reproduce", "plane"]));
+    assert!(table.contains("1.60e-5 m^3") && table.contains("ours / paper"), "{table}");
+    let both: serde_json::Value =
+        serde_json::from_str(&output(volmap(&folder).args(["reproduce", "plane", "dragon", "--json"])))
+            .unwrap();
+    assert_eq!(both["outcomes"][0]["experiment"], "plane");
+    // What needs a mesh that isn't there says so.
+    let rows = both["outcomes"][1]["rows"].as_array().unwrap();
+    assert!(rows.iter().any(|row| row["remark"] == "needs the mesh: --dragon FILE"), "{rows:?}");
+    let text = error(volmap(&folder).args(["reproduce", "plane", "--dragon"]).arg(data("duck.obj")));
+    assert!(text.contains("--dragon: is for the experiment dragon"), "{text}");
+    let run = volmap(&folder).args(["reproduce", "goose"]).assert().code(2);
+    assert!(
+        String::from_utf8(run.get_output().stderr.clone()).unwrap().contains("duck, plane, dragon, density")
+    );
+    assert!(names(&folder).is_empty());
+}

@@ -410,8 +410,8 @@ fn cubic(line: &LineOnRows, column: usize) -> Line {
                 cubic_on_line(&line.surfaces[cell.number as usize - line.first_surface], line.y[lane])
             }
         };
-        for power in 0..4 {
-            out.0[power].0[lane] = cubic[power];
+        for (power, coefficient) in out.0.iter_mut().zip(cubic) {
+            power.0[lane] = coefficient;
         }
     }
     out
