@@ -1,0 +1,15 @@
+//! Incompressible fluids by DFSPH, with volume maps as static and rigid boundaries.
+//!
+//! ```text
+//! scene -> particles, bodies -> (cells -> neighbours -> boundary -> pressure -> rigid bodies) per step -> output
+//! ```
+//! Bender and Koschier 2017, *Divergence-Free SPH for Incompressible and Viscous Fluids*, in the pressure form of
+//! Band et al. 2018 (Algorithm 1); boundaries by Bender et al. 2020, *Implicit Frictional Boundary Handling for SPH*.
+
+pub mod bodies;
+pub mod error;
+pub mod output;
+pub mod scene;
+pub mod settings;
+
+pub use error::Error;

@@ -1,0 +1,1 @@
+//! What a simulation leaves: frames, statistics, pictures, check-points.

@@ -1,0 +1,1 @@
+//! The scene file: parsed, checked, turned into particles and bodies.

@@ -1,0 +1,118 @@
+//! What the solver may be told: Band et al. 2018, *MLS pressure boundaries for divergence-free and viscous SPH
+//! fluids*, Algorithm 1, and Bender and Koschier 2017, *Divergence-Free SPH*.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use volmap_runtime::DVec3;
+
+/// Both pressure solves and the time step.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct SolverSettings {
+    /// The solve that keeps the density: source term, Algorithm 1, CORRECT DENSITY ERROR.
+    pub density: SolveSettings,
+    /// The solve that keeps the velocity free of divergence: CORRECT DIVERGENCE ERROR.
+    pub divergence: SolveSettings,
+    /// Relaxation of the Jacobi steps, omega of Algorithm 1.
+    pub relaxation: f64,
+    /// Pressures begin as this part of the last step's; 0: from zero, as Algorithm 1 has it.
+    pub warm_start: f64,
+    /// The time step.
+    pub time_step: TimeStepSettings,
+}
+
+/// One of the two solves.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct SolveSettings {
+    /// Whether it is done at all.
+    pub enabled: bool,
+    /// Largest mean error, in parts of the rest density: of the density itself, or of its change in a step.
+    pub max_error: f64,
+    /// Iterations at least.
+    pub min_iterations: u32,
+    /// Iterations at most; the statistics tell when they did not suffice.
+    pub max_iterations: u32,
+}
+
+/// The time step: dt = factor * 0.4 * 2 rp / |v|max, within bounds.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct TimeStepSettings {
+    /// First step, seconds; every step, if it doesn't adapt.
+    pub initial: f64,
+    /// Whether the step follows the CFL condition.
+    pub adaptive: bool,
+    /// Factor of the CFL condition.
+    pub cfl_factor: f64,
+    /// Smallest step, seconds.
+    pub min: f64,
+    /// Largest step, seconds.
+    pub max: f64,
+}
+
+/// The fluid.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct FluidSettings {
+    /// Rest density rho_0, kg/m^3.
+    pub rest_density: f64,
+    /// Kinematic viscosity nu, m^2/s (Bender et al. 2020, Eq. 16 with mu = nu rho); explicit.
+    pub viscosity: f64,
+    /// XSPH velocity smoothing, parts of the velocity difference (0: off).
+    pub xsph: f64,
+    /// Volume of a particle in parts of its cube (2 rp)^3; SPlisHSPlasH: 0.8.
+    pub volume_factor: f64,
+}
+
+/// What the whole scene shares.
+#[derive(Clone, Debug, PartialEq)]
+pub struct World {
+    /// Particle radius rp, metres: half of the particles' spacing.
+    pub particle_radius: f64,
+    /// Support radius r of the kernel, metres; 4 rp as a rule.
+    pub support_radius: f64,
+    /// Gravity, m/s^2.
+    pub gravity: DVec3,
+}
+
+impl Default for SolverSettings {
+    fn default() -> Self {
+        SolverSettings {
+            density: SolveSettings { enabled: true, max_error: 5e-4, min_iterations: 2, max_iterations: 100 },
+            divergence: SolveSettings {
+                enabled: true,
+                max_error: 1e-3,
+                min_iterations: 1,
+                max_iterations: 100,
+            },
+            relaxation: 0.5,
+            warm_start: 0.5,
+            time_step: TimeStepSettings::default(),
+        }
+    }
+}
+
+impl Default for SolveSettings {
+    fn default() -> Self {
+        SolverSettings::default().density
+    }
+}
+
+impl Default for TimeStepSettings {
+    fn default() -> Self {
+        TimeStepSettings { initial: 1e-3, adaptive: true, cfl_factor: 1.0, min: 1e-4, max: 5e-3 }
+    }
+}
+
+impl Default for FluidSettings {
+    fn default() -> Self {
+        FluidSettings { rest_density: 1000.0, viscosity: 0.01, xsph: 0.0, volume_factor: 1.0 }
+    }
+}
+
+impl Default for World {
+    fn default() -> Self {
+        World { particle_radius: 0.025, support_radius: 0.1, gravity: DVec3::new(0.0, -9.81, 0.0) }
+    }
+}
