@@ -1,0 +1,190 @@
+//! Closures against closed forms.
+
+use super::*;
+use crate::KernelKind;
+
+const RADIUS: f64 = 0.1;
+const PARTICLE: f64 = 0.025;
+
+fn kernel(kind: KernelKind) -> Kernel {
+    Kernel::new(kind, RADIUS)
+}
+
+/// What a map of the half space below z = 0 says at height d.
+fn wall(d: f64) -> (Boundary, DVec3) {
+    let volume = plane::volume(d / RADIUS)[0] * RADIUS.powi(3);
+    let closest_point = DVec3::new(0.3, -0.2, 0.0);
+    (Boundary { distance: d, normal: DVec3::Z, closest_point, volume }, closest_point + d * DVec3::Z)
+}
+
+fn at_wall(closure: &Closure, d: f64) -> BoundaryDensity {
+    let (boundary, position) = wall(d);
+    closure.density(&boundary, position).unwrap()
+}
+
+/// The half space's density for radius 1, its polynomials worked out by hand; 0 <= d <= 1.
+fn half_space(kind: KernelKind, d: f64) -> f64 {
+    let u = 1.0 - d;
+    match kind {
+        KernelKind::CubicSpline if d < 0.5 => {
+            0.5 - 1.4 * d + 8.0 / 3.0 * d.powi(3) - 4.8 * d.powi(5) + 3.2 * d.powi(6)
+        }
+        KernelKind::CubicSpline => 1.6 * u.powi(5) - 16.0 / 15.0 * u.powi(6),
+        KernelKind::WendlandC2 => 3.5 * u.powi(6) - 4.5 * u.powi(7) + 1.5 * u.powi(8),
+        KernelKind::Spiky => 1.5 * u.powi(5) - u.powi(6),
+        KernelKind::Poly6 => {
+            let odd = d - 4.0 / 3.0 * d.powi(3) + 1.2 * d.powi(5) - 4.0 / 7.0 * d.powi(7) + d.powi(9) / 9.0;
+            0.5 - 315.0 / 256.0 * odd
+        }
+    }
+}
+
+/// Distances in parts of r, between the nodes of the tables.
+fn distances(low: f64, high: f64) -> impl Iterator<Item = f64> {
+    (0..401).map(move |n| low + (high - low) * f64::from(n) / 400.3)
+}
+
+#[test]
+fn half_space_density_is_the_closed_form() {
+    for kind in KernelKind::ALL {
+        for d in distances(0.0, 1.0) {
+            let [value, slope] = plane::density(kind, d);
+            assert!((value - half_space(kind, d)).abs() < 1e-14, "{kind} at {d}");
+            assert!((plane::density(kind, -d)[0] + value - 1.0).abs() < 1e-14);
+            let difference = (half_space(kind, d + 1e-6) - half_space(kind, d - 1e-6)) / 2e-6;
+            assert!((slope - difference).abs() < 1e-8, "{kind} at {d}: {slope} {difference}");
+        }
+    }
+}
+
+#[test]
+fn half_space_volume_is_a_ball_inside_and_nothing_beyond_2_radii() {
+    let ball = 4.0 / 3.0 * std::f64::consts::PI;
+    for d in [-3.0, -1.5, -1.0] {
+        assert!((plane::volume(d)[0] - ball).abs() < 1e-14 && plane::volume(d)[1] == 0.0);
+    }
+    assert_eq!((plane::volume(2.0), plane::volume(9.0)), ([0.0; 2], [0.0; 2]));
+    assert!(plane::volume(1.9)[0] > 0.0);
+    for d in distances(-2.0, 2.2) {
+        let difference = (plane::volume(d + 1e-6)[0] - plane::volume(d - 1e-6)[0]) / 2e-6;
+        assert!((plane::volume(d)[1] - difference).abs() < 1e-8, "at {d}");
+    }
+}
+
+#[test]
+fn calibrated_is_exact_at_a_flat_wall() {
+    for kind in KernelKind::ALL {
+        let closure = Closure::new(ClosureKind::Calibrated, kernel(kind), PARTICLE);
+        for d in distances(0.0, 0.999) {
+            let at = at_wall(&closure, d * RADIUS);
+            assert!((at.density - half_space(kind, d)).abs() < 1e-8, "{kind} at {d}");
+            let slope = plane::density(kind, d)[1] / RADIUS;
+            assert!(
+                (at.gradient - slope * DVec3::Z).length() < 1e-5,
+                "{kind} at {d}: {}",
+                at.gradient.z - slope
+            );
+        }
+    }
+}
+
+#[test]
+fn exponent_has_the_published_values() {
+    // DESIGN: 1.30 at 0.25 rp to 1.44 at 2.5 rp for the cubic spline, r = 4 rp.
+    let exponent = |d: f64| plane::exponent(KernelKind::CubicSpline, d / 4.0);
+    assert!((exponent(0.25) - 1.30).abs() < 0.005, "{}", exponent(0.25));
+    assert!((exponent(2.5) - 1.44).abs() < 0.005, "{}", exponent(2.5));
+    for kind in KernelKind::ALL {
+        assert!((plane::exponent(kind, 1.0) - plane::exponent(kind, 1.0 - 1e-7)).abs() < 1e-5, "{kind}");
+        assert!(plane::exponent(kind, -1.0 + 2e-6).abs() < 1e-4, "{kind}");
+    }
+}
+
+#[test]
+fn paper_is_equation_14_and_15() {
+    for kind in KernelKind::ALL {
+        let closure = Closure::new(ClosureKind::Paper, kernel(kind), PARTICLE);
+        let (boundary, position) = wall(0.03);
+        let at = closure.density(&boundary, position).unwrap();
+        let away = position - boundary.closest_point;
+        let slope = kernel(kind).derivative(away.length());
+        assert!((at.density / (boundary.volume * kernel(kind).value(away.length())) - 1.0).abs() < 1e-12);
+        assert!((at.gradient - boundary.volume * slope * away / away.length()).length() < 1e-10);
+        assert_eq!(at.point, boundary.closest_point);
+    }
+}
+
+#[test]
+fn offset_is_the_peers() {
+    let kernel = kernel(KernelKind::CubicSpline);
+    let closure = Closure::new(ClosureKind::Offset, kernel, PARTICLE);
+    for (d, distance) in [(0.01, 0.05), (0.0374, 0.05), (0.05, 0.0625), (0.08, 0.0925)] {
+        let (boundary, position) = wall(d);
+        let at = closure.density(&boundary, position).unwrap();
+        assert!(
+            (at.density / (0.8 * boundary.volume * kernel.value(distance)) - 1.0).abs() < 1e-12,
+            "at {d}"
+        );
+        assert!((position.z - at.point.z - distance).abs() < 1e-15);
+    }
+    let (boundary, position) = wall(0.09);
+    assert_eq!(closure.density(&boundary, position), None);
+}
+
+#[test]
+fn density_grows_inwards_and_pushes_out() {
+    for kind in KernelKind::ALL {
+        for closure in ClosureKind::ALL.map(|it| Closure::new(it, kernel(kind), PARTICLE)) {
+            let mut last: Option<BoundaryDensity> = None;
+            for n in 0..2900 {
+                let d = RADIUS * (0.9 - f64::from(n) * 0.001);
+                let (boundary, position) = wall(d);
+                let Some(at) = closure.density(&boundary, position) else { continue };
+                assert!(at.gradient.z <= 0.0, "{} {kind} at {d}", closure.kind());
+                if let Some(last) = last {
+                    let rise = at.density - last.density;
+                    assert!(rise >= 0.0, "{} {kind} at {d}: {rise}", closure.kind());
+                    assert!(rise < 0.02 * (last.density + 1.0), "{} {kind} jumps at {d}", closure.kind());
+                }
+                last = Some(at);
+            }
+            let deep = at_wall(&closure, -0.03);
+            assert!(deep.gradient.z < -1.0, "{} {kind}", closure.kind());
+        }
+    }
+}
+
+#[test]
+fn gradient_is_that_of_the_interpolated_density() {
+    let closure = Closure::new(ClosureKind::Calibrated, kernel(KernelKind::Spiky), PARTICLE);
+    for d in distances(-1.9, 0.99) {
+        let at = |d: f64| closure.plane.at(d)[0];
+        let difference = (at(d + 1e-6)[0] - at(d - 1e-6)[0]) / 2e-6;
+        assert!((at(d)[1] - difference).abs() < 1e-7, "at {d}");
+    }
+}
+
+#[test]
+fn beyond_reach_there_is_nothing() {
+    for kind in ClosureKind::ALL {
+        let closure = Closure::new(kind, kernel(KernelKind::CubicSpline), PARTICLE);
+        let (boundary, position) = wall(RADIUS);
+        assert_eq!(closure.density(&boundary, position), None);
+        let (boundary, position) = wall(0.02);
+        assert_eq!(closure.density(&Boundary { volume: 0.0, ..boundary }, position), None);
+        assert_eq!(closure.density(&Boundary { distance: f64::NAN, ..boundary }, position), None);
+        let samples = [Sample::Near(boundary), Sample::Outside, Sample::DeepInside];
+        let mut densities = vec![None; 7];
+        closure.density_batch(&samples, &[position; 3], &mut densities);
+        assert_eq!(densities, [closure.density(&boundary, position), None, None]);
+        assert!(densities[0].is_some());
+    }
+}
+
+#[test]
+fn names_are_read_back() {
+    for kind in ClosureKind::ALL {
+        assert_eq!(kind.to_string().parse(), Ok(kind));
+    }
+    assert!("magic".parse::<ClosureKind>().unwrap_err().contains("calibrated"));
+}

@@ -1,0 +1,168 @@
+//! SPH kernels W: of compact support, radially symmetric, integral 1 in three dimensions.
+//!
+//! Cubic spline: Monaghan 2005, *Smoothed Particle Hydrodynamics*, in the form of Koschier et al. 2019, Eq. 4.
+//! Wendland C2: Wendland 1995; Dehnen and Aly 2012, Table 1. Poly6 and Spiky: Mueller et al. 2003, *Particle-Based
+//! Fluid Simulation for Interactive Applications*, Eq. 20 and 21.
+
+use std::f64::consts::PI;
+use std::fmt;
+use std::str::FromStr;
+
+/// The shape of a kernel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum KernelKind {
+    /// Piecewise cubic, the usual one.
+    #[default]
+    CubicSpline,
+    /// (1 - q)^4 (4 q + 1).
+    WendlandC2,
+    /// (1 - q)^3; its slope doesn't vanish at the centre.
+    Spiky,
+    /// (1 - q^2)^3.
+    Poly6,
+}
+
+impl KernelKind {
+    /// All of them.
+    pub const ALL: [KernelKind; 4] =
+        [KernelKind::CubicSpline, KernelKind::WendlandC2, KernelKind::Spiky, KernelKind::Poly6];
+
+    /// W at distance q >= 0 from the centre, for support radius 1 (so, with q = d / r, r^3 W).
+    #[inline]
+    pub fn unit_value(self, q: f64) -> f64 {
+        let rest = (1.0 - q).max(0.0);
+        match self {
+            KernelKind::CubicSpline if q <= 0.5 => 8.0 / PI * (6.0 * (q * q * q - q * q) + 1.0),
+            KernelKind::CubicSpline => 16.0 / PI * rest.powi(3),
+            KernelKind::WendlandC2 => 10.5 / PI * rest.powi(4) * (4.0 * q + 1.0),
+            KernelKind::Spiky => 15.0 / PI * rest.powi(3),
+            KernelKind::Poly6 => 315.0 / (64.0 * PI) * (1.0 - q * q).max(0.0).powi(3),
+        }
+    }
+
+    /// dW/dq for support radius 1 (r^4 W'); at most 0.
+    #[inline]
+    pub fn unit_derivative(self, q: f64) -> f64 {
+        let rest = (1.0 - q).max(0.0);
+        match self {
+            KernelKind::CubicSpline if q <= 0.5 => 48.0 / PI * q * (3.0 * q - 2.0),
+            KernelKind::CubicSpline => -48.0 / PI * rest.powi(2),
+            KernelKind::WendlandC2 => -210.0 / PI * q * rest.powi(3),
+            KernelKind::Spiky => -45.0 / PI * rest.powi(2),
+            KernelKind::Poly6 => -945.0 / (32.0 * PI) * q * (1.0 - q * q).max(0.0).powi(2),
+        }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            KernelKind::CubicSpline => "cubic-spline",
+            KernelKind::WendlandC2 => "wendland-c2",
+            KernelKind::Spiky => "spiky",
+            KernelKind::Poly6 => "poly6",
+        }
+    }
+}
+
+impl fmt::Display for KernelKind {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for KernelKind {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<KernelKind, String> {
+        let known = KernelKind::ALL.into_iter().find(|kind| kind.name() == text);
+        known.ok_or_else(|| format!("`{text}` is no kernel; take cubic-spline, wendland-c2, spiky or poly6"))
+    }
+}
+
+/// A kernel of a given size.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Kernel {
+    kind: KernelKind,
+    support_radius: f64,
+    per_radius: f64,
+    value_scale: f64,
+    derivative_scale: f64,
+}
+
+impl Kernel {
+    /// A kernel that is 0 from `support_radius` on (metres, positive and finite).
+    pub fn new(kind: KernelKind, support_radius: f64) -> Kernel {
+        let per_radius = 1.0 / support_radius;
+        let value_scale = per_radius.powi(3);
+        Kernel { kind, support_radius, per_radius, value_scale, derivative_scale: value_scale * per_radius }
+    }
+
+    /// Its shape.
+    pub fn kind(&self) -> KernelKind {
+        self.kind
+    }
+
+    /// Support radius r, metres.
+    pub fn support_radius(&self) -> f64 {
+        self.support_radius
+    }
+
+    /// W at `distance` >= 0 from the centre (metres), 1/m^3.
+    #[inline]
+    pub fn value(&self, distance: f64) -> f64 {
+        self.value_scale * self.kind.unit_value(distance * self.per_radius)
+    }
+
+    /// W' at `distance` >= 0 from the centre (metres), 1/m^4; at most 0.
+    #[inline]
+    pub fn derivative(&self, distance: f64) -> f64 {
+        self.derivative_scale * self.kind.unit_derivative(distance * self.per_radius)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::closure::quadrature::integrate;
+
+    const RADIUS: f64 = 0.1;
+
+    #[test]
+    fn integral_over_space_is_1() {
+        for kind in KernelKind::ALL {
+            let kernel = Kernel::new(kind, RADIUS);
+            let shell = |d: f64| 4.0 * PI * d * d * kernel.value(d);
+            let sum = integrate(0.0, 0.5 * RADIUS, shell) + integrate(0.5 * RADIUS, RADIUS, shell);
+            assert!((sum - 1.0).abs() < 1e-14, "{kind}: {sum}");
+        }
+    }
+
+    #[test]
+    fn derivative_is_that_of_the_value() {
+        for kind in KernelKind::ALL {
+            let kernel = Kernel::new(kind, RADIUS);
+            for d in (1..240).map(|n| f64::from(n) * 0.0005 + 0.00012) {
+                let difference = (kernel.value(d + 1e-7) - kernel.value(d - 1e-7)) / 2e-7;
+                let error = (kernel.derivative(d) - difference).abs();
+                assert!(error < 1e-6 * kernel.value(0.0) / RADIUS, "{kind} at {d}: {error}");
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_from_the_support_radius_on() {
+        for kind in KernelKind::ALL {
+            let kernel = Kernel::new(kind, RADIUS);
+            for d in [RADIUS, 1.5 * RADIUS, 1e9] {
+                assert_eq!((kernel.value(d), kernel.derivative(d).abs()), (0.0, 0.0), "{kind} at {d}");
+            }
+        }
+    }
+
+    #[test]
+    fn names_are_read_back() {
+        for kind in KernelKind::ALL {
+            assert_eq!(kind.to_string().parse(), Ok(kind));
+        }
+        assert!("cubic".parse::<KernelKind>().unwrap_err().contains("cubic-spline"));
+    }
+}
