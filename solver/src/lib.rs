@@ -7,9 +7,17 @@
 //! Band et al. 2018 (Algorithm 1); boundaries by Bender et al. 2020, *Implicit Frictional Boundary Handling for SPH*.
 
 pub mod bodies;
+pub mod boundary;
+pub mod cells;
 pub mod error;
+pub mod neighbours;
 pub mod output;
+pub mod pairs;
+pub mod particles;
+pub mod pressure;
 pub mod scene;
 pub mod settings;
+pub mod simulation;
+pub mod time_step;
 
 pub use error::Error;

@@ -3,7 +3,7 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use volmap_runtime::DVec3;
+use volmap_runtime::{ClosureKind, DVec3, KernelKind};
 
 /// Both pressure solves and the time step.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -72,6 +72,10 @@ pub struct World {
     pub particle_radius: f64,
     /// Support radius r of the kernel, metres; 4 rp as a rule.
     pub support_radius: f64,
+    /// The kernel.
+    pub kernel: KernelKind,
+    /// From the boundary's volume to its density.
+    pub closure: ClosureKind,
     /// Gravity, m/s^2.
     pub gravity: DVec3,
 }
@@ -113,6 +117,6 @@ impl Default for FluidSettings {
 
 impl Default for World {
     fn default() -> Self {
-        World { particle_radius: 0.025, support_radius: 0.1, gravity: DVec3::new(0.0, -9.81, 0.0) }
+        World { particle_radius: 0.025, support_radius: 0.1, kernel: KernelKind::CubicSpline, closure: ClosureKind::Calibrated, gravity: DVec3::new(0.0, -9.81, 0.0) }
     }
 }

@@ -1,0 +1,134 @@
+//! Sums over neighbours, eight pairs at a time: density, flux of a vector field, acceleration by pressure, viscosity.
+//!
+//! Places are in support radii from an origin near the fluid, so that single precision is enough; the sums come out
+//! in metres. Particles have one volume V. D is the relative density, rho / rho_0.
+
+mod acceleration;
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+mod density;
+mod flux;
+mod kernels;
+pub(crate) mod lanes;
+mod viscosity;
+
+use crate::neighbours::{CHUNK, Lists};
+use volmap_runtime::KernelKind;
+use kernels::{CubicSpline, KernelLanes, Poly6, Spiky, WendlandC2};
+use lanes::{Lanes, Quad, Work, dispatch};
+
+pub use density::Density;
+
+/// What all sums share.
+#[derive(Clone, Copy, Debug)]
+pub struct Pairs<'a> {
+    /// The kernel.
+    pub kernel: KernelKind,
+    /// Support radius r, metres.
+    pub support_radius: f64,
+    /// Volume V of a particle, m^3.
+    pub volume: f64,
+    /// Places in support radii and a fourth number, P where pressure is asked for; one more than particles are, the
+    /// last one far from all.
+    pub places: &'a [Quad],
+}
+
+/// A vector for each particle of a chunk.
+pub type Vectors = [[f32; 3]; CHUNK];
+
+impl Pairs<'_> {
+    /// D without boundary, the sum of V grad W, and the sum of |V grad W|^2 of the chunk's particles.
+    pub fn density(&self, lists: &Lists, out: &mut [Density]) {
+        self.run(density::Work { pairs: *self, lists, out });
+    }
+
+    /// The sum of V (u_i - u_j) . grad W_ij of a field u, which has one value more than particles are.
+    pub fn flux(&self, lists: &Lists, field: &[Quad], out: &mut [f32]) {
+        self.run(flux::Work { pairs: *self, lists, field, out });
+    }
+
+    /// The sum of -V (P_i + P_j) grad W_ij: Eq. 1 of Band et al. 2018, the part of the fluid.
+    pub fn acceleration(&self, lists: &Lists, out: &mut [[f32; 3]]) {
+        self.run(acceleration::Work { pairs: *self, lists, out });
+    }
+
+    /// The Laplacian of the velocity, Eq. 16 of Bender et al. 2020, and the XSPH mean of the differences.
+    pub fn viscosity(&self, lists: &Lists, velocities: &[Quad], out: &mut [[[f32; 3]; 2]]) {
+        self.run(viscosity::Work { pairs: *self, lists, velocities, out });
+    }
+
+    /// V NORM / r^3: what the sum of w becomes a density by.
+    fn density_scale<K: KernelLanes>(&self) -> f32 {
+        (self.volume * f64::from(K::NORM) / self.support_radius.powi(3)) as f32
+    }
+
+    /// V NORM SLOPE / r^4: what the sum of slope x / r becomes V grad W by.
+    fn gradient_scale<K: KernelLanes>(&self) -> f32 {
+        (self.volume * f64::from(K::NORM) * f64::from(K::SLOPE) / self.support_radius.powi(4)) as f32
+    }
+
+    fn run(&self, work: impl KernelWork) {
+        dispatch(WithKernel { kernel: self.kernel, work });
+    }
+}
+
+/// What can be done with any kernel on any lanes.
+trait KernelWork {
+    /// Must be inlined, to be compiled for the processor that has the lanes.
+    fn run<V: Lanes, K: KernelLanes>(self);
+}
+
+struct WithKernel<W> {
+    kernel: KernelKind,
+    work: W,
+}
+
+impl<W: KernelWork> Work for WithKernel<W> {
+    #[inline(always)]
+    fn run<V: Lanes>(self) {
+        match self.kernel {
+            KernelKind::CubicSpline => self.work.run::<V, CubicSpline>(),
+            KernelKind::WendlandC2 => self.work.run::<V, WendlandC2>(),
+            KernelKind::Spiky => self.work.run::<V, Spiky>(),
+            KernelKind::Poly6 => self.work.run::<V, Poly6>(),
+        }
+    }
+}
+
+/// From i to eight neighbours: x_ij = x_i - x_j in support radii, its square, and the neighbours' fourth numbers.
+struct Difference<V> {
+    x: [V; 3],
+    square: V,
+    fourth: V,
+}
+
+impl<V: Lanes> Difference<V> {
+    #[inline(always)]
+    fn new(places: &[Quad], at: [V; 3], group: &[u32; lanes::LANES]) -> Difference<V> {
+        let [x, y, z, fourth] = V::gather(places, group);
+        let x = [at[0] - x, at[1] - y, at[2] - z];
+        Difference { x, square: dot(x, x), fourth }
+    }
+}
+
+#[inline(always)]
+fn dot<V: Lanes>(a: [V; 3], b: [V; 3]) -> V {
+    (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]
+}
+
+/// sum + factor vector.
+#[inline(always)]
+fn add_scaled<V: Lanes>(sum: [V; 3], factor: V, vector: [V; 3]) -> [V; 3] {
+    [sum[0] + factor * vector[0], sum[1] + factor * vector[1], sum[2] + factor * vector[2]]
+}
+
+#[inline(always)]
+fn splat<V: Lanes>(quad: Quad) -> [V; 3] {
+    [V::splat(quad[0]), V::splat(quad[1]), V::splat(quad[2])]
+}
+
+/// The sums of the lanes, times a factor.
+#[inline(always)]
+fn sums<V: Lanes>(factor: f32, vector: [V; 3]) -> [f32; 3] {
+    [factor * vector[0].sum(), factor * vector[1].sum(), factor * vector[2].sum()]
+}

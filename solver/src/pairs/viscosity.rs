@@ -1,0 +1,41 @@
+//! Viscosity: the Laplacian of the velocity by Eq. 16 of Bender et al. 2020 (Monaghan 2005), and the mean of the
+//! velocity differences of XSPH (Schechter and Bridson 2012). Both conserve momentum: particles have one volume.
+
+use super::kernels::KernelLanes;
+use super::lanes::{Lanes, Quad};
+use super::{Difference, KernelWork, Pairs, add_scaled, dot, splat, sums};
+use crate::neighbours::Lists;
+
+/// 2 (d + 2) in three dimensions.
+const FACTOR: f32 = 10.0;
+
+pub(super) struct Work<'a> {
+    pub pairs: Pairs<'a>,
+    pub lists: &'a Lists,
+    pub velocities: &'a [Quad],
+    pub out: &'a mut [[[f32; 3]; 2]],
+}
+
+impl KernelWork for Work<'_> {
+    #[inline(always)]
+    fn run<V: Lanes, K: KernelLanes>(self) {
+        let (of_density, of_gradient) = (self.pairs.density_scale::<K>(), self.pairs.gradient_scale::<K>());
+        // x . x and x are in support radii: one of them is left over.
+        let of_laplacian = FACTOR * of_gradient / self.pairs.support_radius as f32;
+        let small = V::splat(0.01);
+        for (within, out) in self.out.iter_mut().enumerate() {
+            let particle = self.lists.first + within;
+            let (at, own) = (splat::<V>(self.pairs.places[particle]), splat::<V>(self.velocities[particle]));
+            let (mut laplacian, mut mean) = ([V::splat(0.0); 3], [V::splat(0.0); 3]);
+            for group in self.lists.groups(within) {
+                let to = Difference::new(self.pairs.places, at, group);
+                let [u, v, w, _] = V::gather(self.velocities, group);
+                let apart = [own[0] - u, own[1] - v, own[2] - w];
+                let (value, slope) = K::both(to.square);
+                laplacian = add_scaled(laplacian, slope * dot(apart, to.x) / (to.square + small), to.x);
+                mean = add_scaled(mean, value, apart);
+            }
+            *out = [sums(of_laplacian, laplacian), sums(-of_density, mean)];
+        }
+    }
+}

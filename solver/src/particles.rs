@@ -1,0 +1,57 @@
+//! The fluid's particles: structure of arrays, in the order of the cells.
+
+use rayon::prelude::*;
+use volmap_runtime::DVec3;
+
+/// The state that one step hands to the next. All arrays are of one length.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Particles {
+    /// Centres, metres.
+    pub positions: Vec<DVec3>,
+    /// Velocities, m/s.
+    pub velocities: Vec<[f32; 3]>,
+    /// p / (rho_0 D^2) of the density solve, m^2/s^2, D the relative density: where the next solve begins.
+    pub pressures: Vec<f32>,
+    /// The same of the divergence solve.
+    pub divergence_pressures: Vec<f32>,
+    /// Names of the particles: the order in which they came.
+    pub ids: Vec<u32>,
+    /// The next name.
+    pub next_id: u32,
+}
+
+impl Particles {
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.positions.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.positions.is_empty()
+    }
+
+    /// Adds particles at rest pressure.
+    pub fn add(&mut self, positions: &[DVec3], velocities: &[[f32; 3]]) {
+        let count = self.len() + positions.len();
+        self.positions.extend_from_slice(positions);
+        self.velocities.extend_from_slice(velocities);
+        self.pressures.resize(count, 0.0);
+        self.divergence_pressures.resize(count, 0.0);
+        self.ids.extend((0..positions.len() as u32).map(|i| self.next_id + i));
+        self.next_id += positions.len() as u32;
+    }
+
+    /// Puts the particles into a new order, which may leave some out: old indices.
+    pub fn reorder(&mut self, order: &[u32]) {
+        reorder(&mut self.positions, order);
+        reorder(&mut self.velocities, order);
+        reorder(&mut self.pressures, order);
+        reorder(&mut self.divergence_pressures, order);
+        reorder(&mut self.ids, order);
+    }
+}
+
+fn reorder<T: Copy + Send + Sync>(values: &mut Vec<T>, order: &[u32]) {
+    *values = order.par_iter().map(|&old| values[old as usize]).collect();
+}
