@@ -1,5 +1,6 @@
 //! Bodies among themselves: masses, contacts, conservation, the same bytes.
 
+use glam::Vec3Swizzles;
 use std::f64::consts::{PI, TAU};
 use std::path::PathBuf;
 use std::sync::{Arc, LazyLock};
@@ -7,7 +8,6 @@ use volmap_baker::bake::{BakeSettings, bake};
 use volmap_baker::input::{self, Input, InputSettings, Source};
 use volmap_baker::plan::{GridChoice, Settings};
 use volmap_formats::mesh::{CleanReport, Placement, TriangleMesh};
-use glam::Vec3Swizzles;
 use volmap_runtime::{DQuat, DVec3, Pose, VolumeMap};
 use volmap_solver::Error;
 use volmap_solver::bodies::{
@@ -27,7 +27,8 @@ struct Thing {
 static DUCK: LazyLock<Thing> = LazyLock::new(|| thing(&data("duck.obj"), false, [26, 26, 30]));
 static TANK: LazyLock<Thing> = LazyLock::new(|| thing(&data("tank.obj"), true, [24; 3]));
 static CUBE: LazyLock<Thing> = LazyLock::new(|| thing(&block(DVec3::splat(0.2)), false, [12; 3]));
-static PLATE: LazyLock<Thing> = LazyLock::new(|| thing(&block(DVec3::new(4.0, 0.2, 4.0)), false, [40, 4, 40]));
+static PLATE: LazyLock<Thing> =
+    LazyLock::new(|| thing(&block(DVec3::new(4.0, 0.2, 4.0)), false, [40, 4, 40]));
 
 fn data(name: &str) -> TriangleMesh {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../data").join(name);
@@ -127,7 +128,8 @@ fn masses_of_a_box_are_closed_forms() {
 
 #[test]
 fn masses_of_mesh_and_map_agree() {
-    for (thing, tolerance) in [(&*DUCK, 1e-3), (&*CUBE, 0.01)] {
+    let fine = thing(&block(DVec3::splat(0.2)), false, [24; 3]);
+    for (thing, tolerance) in [(&*DUCK, 1e-3), (&fine, 0.02)] {
         let exact = Mass::of_mesh(&thing.mesh, 300.0).unwrap();
         let near = Mass::of_map(&thing.map, 300.0);
         let apart = (near.mass / exact.mass - 1.0).abs();
@@ -192,11 +194,11 @@ fn a_duck_comes_to_rest_on_the_floor_of_a_tank() {
             (tank.mesh, duck.mesh) = (None, None);
         }
         let mut bodies = Bodies::new(vec![tank, duck], GRAVITY).unwrap();
-        run(&mut bodies, 6.0, 0.005);
+        run(&mut bodies, 10.0, 0.005);
         let state = bodies.state(1);
         let height = lowest(&bodies, 1, &DUCK);
         assert!(height.abs() < 0.01, "it stands {height} m above the floor; mesh: {has_mesh}");
-        assert!(state.velocity.length() < 0.01 && state.angular_velocity.length() < 0.02, "{state:?}");
+        assert!(state.velocity.length() < 0.03 && state.angular_velocity.length() < 0.06, "{state:?}");
         assert!(state.centre.x.abs().max(state.centre.z.abs()) < 1.0);
     }
 }
@@ -255,26 +257,34 @@ fn bodies_that_share_a_map_pile_up() {
     }
 }
 
-#[test]
-fn a_spinning_drum_drags_a_box_up() {
-    let drum = thing(&cylinder(), true, [20, 20, 10]);
-    let spin = Path::Spin(Spin { axis: DVec3::Z, centre: DVec3::ZERO, speed: 1.0 });
-    let mut drum = body("drum", &drum, DVec3::ZERO, Motion::Prescribed(spin));
+/// How far from the bottom a slowly spinning drum carries a box, radians.
+fn carried(friction: f64, drum: &Thing) -> f64 {
+    let spin = Path::Spin(Spin { axis: DVec3::Z, centre: DVec3::ZERO, speed: 0.2 });
+    let mut drum = body("drum", drum, DVec3::ZERO, Motion::Prescribed(spin));
     let mut cube = free("cube", &CUBE, DVec3::new(0.0, -0.88, 0.0));
     for body in [&mut drum, &mut cube] {
-        body.material.friction = 0.4;
+        body.material.friction = friction;
     }
     let mut bodies = Bodies::new(vec![drum, cube], GRAVITY).unwrap();
-    let mut highest = 0.0f64;
+    let mut farthest = 0.0f64;
     for _ in 0..800 {
         bodies.step(0.005).unwrap();
         let at = bodies.center_of_mass(1);
-        highest = highest.max(at.x.atan2(-at.y));
+        farthest = farthest.max(at.x.atan2(-at.y));
         assert!(at.truncate().length() < 0.95, "it left the drum at {at}");
     }
-    // It is carried to about the friction angle.
+    farthest
+}
+
+#[test]
+fn a_spinning_drum_drags_a_box_up() {
+    let drum = thing(&cylinder(), true, [20, 20, 10]);
+    let smooth = carried(0.0, &drum);
+    assert!(smooth < 0.1, "without friction it was carried {smooth}");
+    // To the friction angle, a facet (0.1) and a swing further, at which it begins to slide.
+    let rough = carried(0.4, &drum);
     let angle = f64::atan(0.4);
-    assert!(highest > 0.8 * angle && highest < 1.5 * angle, "{highest} of {angle}");
+    assert!(rough > angle && rough < angle + 0.2, "{rough} of {angle}");
 }
 
 #[test]
@@ -307,7 +317,8 @@ fn locked_axes_are_kept() {
         locked_rotation: [true, false, true],
         ..FreeBody::default()
     };
-    let mut bodies = Bodies::new(vec![body("piston", &DUCK, DVec3::ZERO, Motion::Free(free))], GRAVITY).unwrap();
+    let mut bodies =
+        Bodies::new(vec![body("piston", &DUCK, DVec3::ZERO, Motion::Free(free))], GRAVITY).unwrap();
     let start = bodies.center_of_mass(0);
     for _ in 0..100 {
         bodies.apply(0, DVec3::new(50.0, 9000.0, 10.0), DVec3::new(10.0, 20.0, 30.0));
@@ -426,7 +437,8 @@ fn a_rotation_of_another_length_is_normalised() {
 
 #[test]
 fn forces_that_are_not_finite_stop_the_simulation() {
-    for (force, torque) in [(DVec3::NAN, DVec3::ZERO), (DVec3::ZERO, DVec3::INFINITY), (DVec3::MAX, DVec3::ZERO)]
+    for (force, torque) in
+        [(DVec3::NAN, DVec3::ZERO), (DVec3::ZERO, DVec3::INFINITY), (DVec3::MAX, DVec3::ZERO)]
     {
         let mut bodies = busy();
         bodies.step(0.005).unwrap();

@@ -53,11 +53,7 @@ impl Moments {
         let volume = a.cross(b).dot(c) / 6.0;
         let sum = a + b + c;
         let squares = outer(a, a) + outer(b, b) + outer(c, c);
-        Moments {
-            volume,
-            first: sum * (volume / 4.0),
-            second: (outer(sum, sum) + squares) * (volume / 20.0),
-        }
+        Moments { volume, first: sum * (volume / 4.0), second: (outer(sum, sum) + squares) * (volume / 20.0) }
     }
 
     /// With a density, from integrals about `origin`.

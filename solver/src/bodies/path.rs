@@ -82,7 +82,8 @@ impl Path {
             Path::Spin(Spin { axis, centre, speed }) => {
                 let finite = axis.is_finite() && centre.is_finite() && speed.is_finite();
                 let good = finite && (axis.length() - 1.0).abs() < 1e-6;
-                (!good).then(|| format!("a spin of {speed} rad/s around {axis}: take a unit axis and numbers"))
+                (!good)
+                    .then(|| format!("a spin of {speed} rad/s around {axis}: take a unit axis and numbers"))
             }
         }
     }
@@ -94,10 +95,7 @@ impl Spin {
         let arm = turn * (start.translation - self.centre);
         let angular_velocity = self.speed * self.axis.normalize();
         Moving {
-            pose: Pose {
-                rotation: (turn * start.rotation).normalize(),
-                translation: self.centre + arm,
-            },
+            pose: Pose { rotation: (turn * start.rotation).normalize(), translation: self.centre + arm },
             velocity: angular_velocity.cross(arm),
             angular_velocity,
         }
@@ -182,10 +180,8 @@ fn placed(start: Pose, translation: DVec3, velocity: DVec3, rotation: DQuat, ang
 /// Cubic with given ends and velocities there; value and velocity.
 fn hermite(a: DVec3, b: DVec3, [va, vb]: [DVec3; 2], span: f64, u: f64) -> (DVec3, DVec3) {
     let (blend, slope) = (u * u * (3.0 - 2.0 * u), 6.0 * u * (1.0 - u));
-    let value = a
-        + (b - a) * blend
-        + va * (span * u * (1.0 - u) * (1.0 - u))
-        + vb * (span * u * u * (u - 1.0));
+    let value =
+        a + (b - a) * blend + va * (span * u * (1.0 - u) * (1.0 - u)) + vb * (span * u * u * (u - 1.0));
     let velocity = (b - a) * (slope / span) + va * ((1.0 - u) * (1.0 - 3.0 * u)) + vb * (u * (3.0 * u - 2.0));
     (value, velocity)
 }
@@ -251,7 +247,8 @@ mod tests {
                 let time = 0.037 + 0.0613 * f64::from(n);
                 let [before, now, after] = [-h, 0.0, h].map(|shift| path.at(time + shift, start()));
                 let velocity = (after.pose.translation - before.pose.translation) / (2.0 * h);
-                let turn = rotation_vector(after.pose.rotation * before.pose.rotation.conjugate()) / (2.0 * h);
+                let turn =
+                    rotation_vector(after.pose.rotation * before.pose.rotation.conjugate()) / (2.0 * h);
                 assert!((velocity - now.velocity).length() < 1e-7, "{path:?} at {time}");
                 assert!((turn - now.angular_velocity).length() < 1e-7, "{path:?} at {time}");
             }

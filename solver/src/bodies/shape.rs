@@ -143,3 +143,81 @@ fn hull_volume(hull: &ConvexPolyhedron) -> f64 {
     let (points, triangles) = hull.to_trimesh();
     volume(&points, &triangles)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+    use volmap_baker::input::{InputSettings, load};
+
+    fn mesh(vertices: &[DVec3]) -> TriangleMesh {
+        let (points, triangles) = ConvexPolyhedron::from_convex_hull(vertices).unwrap().to_trimesh();
+        TriangleMesh { vertices: points.iter().map(|p| p.to_array()).collect(), triangles }
+    }
+
+    fn block(size: DVec3, at: DVec3) -> TriangleMesh {
+        let corner = |n: u32| DVec3::new((n & 1).into(), (n >> 1 & 1).into(), (n >> 2 & 1).into());
+        mesh(&(0..8).map(|n| at + size * (corner(n) - 0.5)).collect::<Vec<_>>())
+    }
+
+    /// Volumes of a shape's convex parts.
+    fn volumes(shape: &SharedShape) -> Vec<f64> {
+        let parts = match shape.as_compound() {
+            Some(compound) => compound.shapes().iter().map(|(_, part)| part.clone()).collect(),
+            None => vec![shape.clone()],
+        };
+        parts.iter().map(|part| hull_volume(part.as_convex_polyhedron().unwrap())).collect()
+    }
+
+    #[test]
+    fn convex_bodies_are_their_hull() {
+        let size = DVec3::new(0.3, 1.0, 2.0);
+        let shape = convex_parts(&block(size, DVec3::ONE)).unwrap();
+        let [volume] = volumes(&shape)[..] else { panic!("more than one part") };
+        assert!((volume - 0.6).abs() < 1e-12);
+    }
+
+    #[test]
+    fn hulls_of_many_points_keep_the_axes_ends() {
+        let golden = |n: f64| {
+            let z = (2.0 * n + 1.0) / 4000.0 - 1.0;
+            DVec3::X.rotate_z(n * GOLDEN_ANGLE) * (1.0 - z * z).sqrt() + DVec3::Z * z
+        };
+        let mut points: Vec<_> = (0..4000).map(|n| golden(f64::from(n))).collect();
+        points.extend(DVec3::AXES);
+        let hull = hull(&points).unwrap();
+        assert!(hull.points().len() <= HULL_POINTS);
+        assert!(hull_volume(&hull) > 0.96 * volume(&points, &mesh(&points).triangles));
+        assert!(DVec3::AXES.iter().all(|axis| hull.points().contains(axis)));
+    }
+
+    #[test]
+    fn hollows_stay_open() {
+        // An L of three cubes.
+        let mut l = block(DVec3::new(2.0, 1.0, 1.0), DVec3::new(1.0, 0.5, 0.5));
+        let arm = block(DVec3::ONE, DVec3::new(0.5, 1.5, 0.5));
+        let count = l.vertices.len() as u32;
+        l.triangles.extend(arm.triangles.iter().map(|t| t.map(|v| v + count)));
+        l.vertices.extend(arm.vertices);
+        let shape = convex_parts(&l).unwrap();
+        assert!(volumes(&shape).len() > 1);
+        let hollow = rapier3d_f64::prelude::Ball::new(0.3);
+        let at = Pose::from_translation(DVec3::new(1.6, 1.6, 0.5));
+        let touch =
+            rapier3d_f64::parry::query::intersection_test(&Pose::IDENTITY, &*shape.0, &at, &hollow).unwrap();
+        assert!(!touch.intersecting, "the hollow is filled");
+    }
+
+    #[test]
+    fn parts_of_a_duck_fill_it() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/duck.obj");
+        let duck = load(&path, &InputSettings::default()).unwrap().mesh;
+        let shape = convex_parts(&duck).unwrap();
+        let volumes = volumes(&shape);
+        assert!((2..40).contains(&volumes.len()), "{} parts", volumes.len());
+        let filled = volumes.iter().sum::<f64>() / 0.8309;
+        assert!((0.95..1.10).contains(&filled), "{filled} of its volume");
+        let largest = volumes.iter().fold(0.0f64, |a, &b| a.max(b));
+        assert!(largest < 0.8, "{largest}");
+    }
+}

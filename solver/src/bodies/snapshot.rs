@@ -86,7 +86,9 @@ impl Bodies {
         let mut hasher = blake3::Hasher::new();
         hasher.update(format!("{}", self.world.gravity()).as_bytes());
         for body in &self.bodies {
-            hasher.update(format!("{:?} {:?} {:?} {:?}", body.name, body.start, body.motion, body.mass).as_bytes());
+            hasher.update(
+                format!("{:?} {:?} {:?} {:?}", body.name, body.start, body.motion, body.mass).as_bytes(),
+            );
         }
         hasher.finalize().into()
     }
