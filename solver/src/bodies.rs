@@ -1,13 +1,15 @@
-//! Bodies: what the fluid touches, at rest, moved by a script or by forces. `rapier3d` moves the free ones and keeps
-//! them apart; the fluid sees maps with poses.
+//! Bodies: what the fluid touches, at rest, moved by a script or by forces. `rapier3d` moves the free ones
+//! and keeps them apart; the fluid sees maps with poses.
 //!
 //! ```text
-//! BodyDescription -> mass, shape -> Bodies -> per step: apply (the fluid's forces) -> step -> posed, velocity_at
+//! BodyDescription -> mass, shape -> Bodies
+//! per step: apply (the fluid's forces) -> step -> posed, velocity_at
 //! ```
-//! Bender et al. 2020, *Implicit Frictional Boundary Handling for SPH*, section 5.3, for the two-way coupling.
+//! Bender et al. 2020, *Implicit Frictional Boundary Handling for SPH*, section 5.3, for the two-way
+//! coupling.
 //!
-//! Guaranteed: the same bytes on any number of threads; a restored snapshot goes on with the same bits; no input makes
-//! a step panic. A free body without forces keeps its momentum and angular momentum to rounding.
+//! Guaranteed: the same bytes on any number of threads; a restored snapshot goes on with the same bits; no
+//! input makes a step panic. A free body without forces keeps its momentum and angular momentum to rounding.
 
 mod description;
 mod mass;
@@ -86,7 +88,8 @@ impl Bodies {
     /// Bodies at time 0; gravity in m/s^2.
     ///
     /// # Errors
-    /// [`Error::Scene`] for a body that can't be: no volume, not finite, no collision shape, an impossible path.
+    /// [`Error::Scene`] for a body that can't be: no volume, not finite, no collision shape, an impossible
+    /// path.
     pub fn new(descriptions: Vec<BodyDescription>, gravity: DVec3) -> Result<Bodies, Error> {
         if !gravity.is_finite() {
             return Err(refusal("gravity".into(), "it is not finite"));
@@ -152,8 +155,8 @@ impl Bodies {
         self.velocities[body].at
     }
 
-    /// Adds to the force (N) and the torque about the centre of mass (N m) that act all through the next step. Bodies
-    /// that aren't free ignore it.
+    /// Adds to the force (N) and the torque about the centre of mass (N m) that act all through the next
+    /// step. Bodies that aren't free ignore it.
     pub fn apply(&mut self, body: usize, force: DVec3, torque_about_centre_of_mass: DVec3) {
         self.forces[body][0] += force;
         self.forces[body][1] += torque_about_centre_of_mass;

@@ -14,8 +14,9 @@ pub struct BodyDescription {
     pub name: String,
     /// What the fluid sees.
     pub map: Arc<VolumeMap>,
-    /// What other bodies touch, in the map's frame, counter-clockwise from outside, as the map was baked from; of an
-    /// inverted map, too, the solid's mesh before the inversion. Without one, the map's surface is taken.
+    /// What other bodies touch, in the map's frame, counter-clockwise from outside, as the map was baked
+    /// from; of an inverted map, too, the solid's mesh before the inversion. Without one, the map's surface
+    /// is taken.
     pub mesh: Option<Arc<TriangleMesh>>,
     /// Where it starts.
     pub pose: Pose,

@@ -1,5 +1,6 @@
-//! Mass, centre of mass and inertia of an evenly filled solid: Mirtich 1996, *Fast and Accurate Computation of
-//! Polyhedral Mass Properties*, in the form of signed tetrahedra (Blow and Binstock 2004); or from a volume map.
+//! Mass, centre of mass and inertia of an evenly filled solid: Mirtich 1996, *Fast and Accurate Computation
+//! of Polyhedral Mass Properties*, in the form of signed tetrahedra (Blow and Binstock 2004); or from a
+//! volume map.
 
 use glam::DMat3;
 use rayon::prelude::*;
@@ -75,7 +76,8 @@ fn outer(a: DVec3, b: DVec3) -> DMat3 {
 }
 
 impl Mass {
-    /// Of what a mesh encloses, exactly; density in kg/m^3. `None` for an open mesh, whose area vectors have a sum.
+    /// Of what a mesh encloses, exactly; density in kg/m^3. `None` for an open mesh, whose area vectors have
+    /// a sum.
     pub fn of_mesh(mesh: &TriangleMesh, density: f64) -> Option<Mass> {
         let at = |v: u32| DVec3::from(mesh.vertices[v as usize]);
         let count = mesh.vertices.len().max(1) as f64;
@@ -91,8 +93,9 @@ impl Mass {
         (open.length() <= 1e-9 * area && moments.volume > 0.0).then(|| moments.mass(origin, density))
     }
 
-    /// Of a map's solid within its domain, from the distances at parts of its cells. A surface cuts such a part on
-    /// average as if it were perpendicular to the part's edges, so the error shrinks with the cell's square.
+    /// Of a map's solid within its domain, from the distances at parts of its cells. A surface cuts such a
+    /// part on average as if it were perpendicular to the part's edges, so the error shrinks with the cell's
+    /// square.
     pub fn of_map(map: &VolumeMap, density: f64) -> Mass {
         let grid = *map.grid();
         let origin = 0.5 * (grid.origin + grid.max_corner());

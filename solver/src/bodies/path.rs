@@ -1,5 +1,5 @@
-//! Prescribed motions: pose and velocity at any time. Kim, Kim and Shin 1995, *A General Construction Scheme for
-//! Unit Quaternion Curves with Simple High Order Derivatives*, for smooth rotations.
+//! Prescribed motions: pose and velocity at any time. Kim, Kim and Shin 1995, *A General Construction Scheme
+//! for Unit Quaternion Curves with Simple High Order Derivatives*, for smooth rotations.
 
 use volmap_runtime::{DQuat, DVec3, Pose};
 
@@ -148,7 +148,8 @@ impl Keys {
         placed(start, translation, velocity, rotation, angular / span)
     }
 
-    /// At a key: velocity, and angular velocity in the frame of the key; from its neighbours (Catmull and Rom 1974).
+    /// At a key: velocity, and angular velocity in the frame of the key; from its neighbours (Catmull and Rom
+    /// 1974).
     fn velocity(&self, at: usize) -> (DVec3, DVec3) {
         let keys = &self.keys;
         let last = keys.len() - 1;
@@ -186,8 +187,9 @@ fn hermite(a: DVec3, b: DVec3, [va, vb]: [DVec3; 2], span: f64, u: f64) -> (DVec
     (value, velocity)
 }
 
-/// Rotation between `a` and `b`, and angular velocity per `u` in the world: the Hermite curve of Kim et al. 1995,
-/// section 4.2. `ends`: a third of the segment's time times the angular velocities, in the frames of `a` and `b`.
+/// Rotation between `a` and `b`, and angular velocity per `u` in the world: the Hermite curve of Kim et al.
+/// 1995, section 4.2. `ends`: a third of the segment's time times the angular velocities, in the frames of
+/// `a` and `b`.
 fn hermite_rotation(a: DQuat, b: DQuat, ends: [DVec3; 2], u: f64) -> (DQuat, DVec3) {
     let [first, last] = ends.map(DQuat::from_scaled_axis);
     let middle = rotation_vector(first.conjugate() * a.conjugate() * b * last.conjugate());

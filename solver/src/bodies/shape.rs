@@ -1,6 +1,6 @@
-//! What bodies touch each other with: the convex hull where that is the body, convex parts for other free bodies
-//! (Mamou and Ghorbel 2009, *A Simple and Efficient Approach for 3D Mesh Approximate Convex Decomposition*), the
-//! surface itself for those that forces don't move.
+//! What bodies touch each other with: the convex hull where that is the body, convex parts for other free
+//! bodies (Mamou and Ghorbel 2009, *A Simple and Efficient Approach for 3D Mesh Approximate Convex
+//! Decomposition*), the surface itself for those that forces don't move.
 
 use super::description::BodyDescription;
 use rapier3d_f64::math::Pose;
@@ -24,7 +24,7 @@ const HULL_POINTS: usize = 256;
 /// Shapes that were made already, by the address of their mesh or map: bodies with the same one share it.
 #[derive(Default)]
 pub(super) struct Shapes {
-    made: HashMap<(usize, bool), SharedShape>,
+    made: HashMap<(usize, bool, bool), SharedShape>,
 }
 
 impl Shapes {
@@ -34,11 +34,12 @@ impl Shapes {
             Some(mesh) => Arc::as_ptr(mesh).addr(),
             None => Arc::as_ptr(&body.map).addr(),
         };
-        if let Some(shape) = self.made.get(&(address, is_free)) {
+        let key = (address, is_free, body.map.exterior() == Exterior::Solid);
+        if let Some(shape) = self.made.get(&key) {
             return Ok(shape.clone());
         }
         let shape = make(body, is_free)?;
-        self.made.insert((address, is_free), shape.clone());
+        self.made.insert(key, shape.clone());
         Ok(shape)
     }
 }
@@ -104,7 +105,8 @@ fn convex_parts(mesh: &TriangleMesh) -> Result<SharedShape, String> {
     }
 }
 
-/// The convex hull, of no more than [`HULL_POINTS`] points: those that are farthest in equally spread directions.
+/// The convex hull, of no more than [`HULL_POINTS`] points: those that are farthest in equally spread
+/// directions.
 fn hull(points: &[DVec3]) -> Option<ConvexPolyhedron> {
     let hull = ConvexPolyhedron::from_convex_hull(points)?;
     if hull.points().len() <= HULL_POINTS {

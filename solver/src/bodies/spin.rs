@@ -1,7 +1,7 @@
-//! Rotation of free bodies: rapier keeps the angular velocity of a body that turns freely, nature keeps the angular
-//! momentum. So a step gets the angular velocity of its middle, found by the implicit midpoint rule, and what rapier
-//! changes of it (contacts, torques) is added to the angular momentum. Simo and Wong 1991, *Unconditionally Stable
-//! Algorithms for Rigid Body Dynamics that Exactly Preserve Energy and Momentum*.
+//! Rotation of free bodies: rapier keeps the angular velocity of a body that turns freely, nature keeps the
+//! angular momentum. So a step gets the angular velocity of its middle, found by the implicit midpoint rule,
+//! and what rapier changes of it (contacts, torques) is added to the angular momentum. Simo and Wong 1991,
+//! *Unconditionally Stable Algorithms for Rigid Body Dynamics that Exactly Preserve Energy and Momentum*.
 
 use super::mass::Mass;
 use volmap_runtime::{DQuat, DVec3};

@@ -25,8 +25,8 @@ impl World {
         let mut physics = PhysicsWorld { gravity, ..PhysicsWorld::default() };
         let parameters = &mut physics.integration_parameters;
         parameters.normalized_max_linear_velocity = f64::MAX;
-        // Measured with a duck on a floor: with rapier's 0.05, contacts that are reused feed its rocking for ever; so
-        // does, a little, taking four of many contacts.
+        // Measured with a duck on a floor: with rapier's 0.05, contacts that are reused feed its rocking for
+        // ever; so does, a little, taking four of many contacts.
         parameters.normalized_contact_recycle_distance = 0.002;
         parameters.contact_clustering = false;
         // Against closed forms, sliding friction is right to 1 %; the other model (Coulomb) lacks 6 %.
