@@ -20,7 +20,7 @@ mod clean;
 mod decimal;
 mod error;
 mod gltf;
-mod guard;
+pub mod guard;
 mod obj;
 mod off;
 mod ply;

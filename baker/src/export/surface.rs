@@ -43,7 +43,14 @@ impl fmt::Display for Surface {
 /// # Errors
 /// An asset that isn't consistent, a distance beyond the band, or too many points.
 pub fn surface(asset: &Asset, settings: &ExportSettings) -> Result<Surface, Error> {
-    let map = VolumeMap::from_asset(asset)?;
+    surface_of_map(&VolumeMap::from_asset(asset)?, settings)
+}
+
+/// The same of a map that is open already.
+///
+/// # Errors
+/// A distance beyond the band, or too many points.
+pub fn surface_of_map(map: &VolumeMap, settings: &ExportSettings) -> Result<Surface, Error> {
     let iso = settings.iso.unwrap_or(0.0);
     let limit = 2.0 * map.support_radius();
     // Also false for NaN.
@@ -53,8 +60,8 @@ pub fn surface(asset: &Asset, settings: &ExportSettings) -> Result<Surface, Erro
     }
     let lattice = Lattice::new(map.grid(), settings.lattice, STEPS, MAX_POINTS)?;
     let mut crossings = Crossings { lattice: &lattice, edges: Vec::new(), numbers: HashMap::new() };
-    let found = march(&map, iso, &mut crossings)?;
-    Ok(finish(&map, iso, &crossings, &found))
+    let found = march(map, iso, &mut crossings)?;
+    Ok(finish(map, iso, &crossings, &found))
 }
 
 /// The edges of the lattice that the surface crosses.

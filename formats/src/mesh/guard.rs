@@ -1,4 +1,4 @@
-//! The one place that contains panics: readers parse untrusted bytes with the help of libraries.
+//! The one place that contains panics: of libraries that parse untrusted bytes, or that simulate.
 //!
 //! The message of a contained panic goes into the error, not to stderr. The hook that does this is
 //! installed once, passes every panic of other threads and other code on to the hook it found, and
@@ -16,7 +16,19 @@ thread_local! {
 }
 
 /// Runs `reader`; a panic in it becomes [`MeshError::Panicked`].
-pub fn contain<T>(format: MeshFormat, reader: impl FnOnce() -> Result<T, MeshError>) -> Result<T, MeshError> {
+pub(super) fn contain<T>(
+    format: MeshFormat,
+    reader: impl FnOnce() -> Result<T, MeshError>,
+) -> Result<T, MeshError> {
+    quietly(reader).unwrap_or_else(|message| Err(MeshError::Panicked { format, message }))
+}
+
+/// Runs what a library does; a panic in it becomes an error, its message. After one, nothing that `work` was
+/// changing may be used.
+///
+/// # Errors
+/// The message of the panic.
+pub fn quietly<T>(work: impl FnOnce() -> T) -> Result<T, String> {
     static INSTALL: Once = Once::new();
     INSTALL.call_once(|| {
         let previous = take_hook();
@@ -27,10 +39,9 @@ pub fn contain<T>(format: MeshFormat, reader: impl FnOnce() -> Result<T, MeshErr
         }));
     });
     let outer = QUIET.replace(true);
-    // Sound: after a panic nothing of the reader's state is used.
-    let result = catch_unwind(AssertUnwindSafe(reader));
+    let result = catch_unwind(AssertUnwindSafe(work));
     QUIET.set(outer);
-    result.unwrap_or_else(|panic| Err(MeshError::Panicked { format, message: message(&*panic) }))
+    result.map_err(|panic| message(&*panic))
 }
 
 fn message(panic: &(dyn Any + Send)) -> String {
