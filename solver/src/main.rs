@@ -1,3 +1,37 @@
 //! The `volmap-sim` program: parses, reports progress, maps errors to exit codes. All else is in the library.
 
-fn main() {}
+mod args;
+mod run;
+
+use anyhow::Result;
+use args::{Arguments, Command};
+use clap::Parser;
+use std::io;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    match run(&Arguments::parse().command) {
+        Ok(()) => ExitCode::SUCCESS,
+        // The reader of a pipe may have had enough.
+        Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(command: &Command) -> Result<()> {
+    match command {
+        Command::Info(arguments) => run::info::run_info(arguments),
+        Command::Check(arguments) => run::check::run_check(arguments),
+        Command::Schema => run::schema::run_schema(),
+    }
+}
+
+fn is_broken_pipe(error: &anyhow::Error) -> bool {
+    let broken = |cause: &(dyn std::error::Error + 'static)| {
+        cause.downcast_ref::<io::Error>().is_some_and(|error| error.kind() == io::ErrorKind::BrokenPipe)
+    };
+    error.chain().any(broken)
+}
