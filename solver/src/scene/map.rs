@@ -80,7 +80,7 @@ impl<'a> Library<'a> {
             Source::Map(path) => {
                 Shape { map: Arc::new(VolumeMap::open(path)?), mesh: None, origin: Origin::Asset }
             }
-            Source::Mesh(path, settings) => self.from_mesh(path, settings)?,
+            Source::Mesh(path, settings) => self.bake_or_open(path, settings)?,
         };
         self.shapes.push((identity, shape.clone()));
         Ok(shape)
@@ -105,7 +105,7 @@ impl<'a> Library<'a> {
         Err(Error::Scene { place: format!("{key}.map"), reason })
     }
 
-    fn from_mesh(&mut self, path: &Path, settings: &Bake) -> Result<Shape, Error> {
+    fn bake_or_open(&mut self, path: &Path, settings: &Bake) -> Result<Shape, Error> {
         let (placing, baking) = (input_settings(settings), self.bake_settings(settings));
         let bytes = mesh::read_bytes(path).map_err(volmap_baker::Error::from)?;
         let cached = self.cache.join(cached_name(path, &bytes, &format!("{placing:?} {baking:?}")));
@@ -128,7 +128,8 @@ impl<'a> Library<'a> {
         settings: &BakeSettings,
     ) -> Result<VolumeMap, Error> {
         (self.on_bake)(path);
-        let baked = bake(input, settings, &mut |_| (), &mut |_| ())?;
+        let baked =
+            bake(input, settings, &mut |_| (), &mut |_| ()).map_err(|error| cannot_bake(path, error))?;
         let notes = baked.summary.warnings.iter().map(|warning| format!("{}: {warning}", path.display()));
         self.notes.extend(notes);
         let kept = std::fs::create_dir_all(&self.cache).map_err(|error| error.to_string());
@@ -155,6 +156,16 @@ impl<'a> Library<'a> {
             ..Settings::default()
         };
         BakeSettings { map, ..BakeSettings::default() }
+    }
+}
+
+/// Errors of settings don't say which mesh they are about.
+fn cannot_bake(path: &Path, error: volmap_baker::Error) -> Error {
+    match error {
+        volmap_baker::Error::Setting { .. } | volmap_baker::Error::Memory { .. } => {
+            Error::Scene { place: path.display().to_string(), reason: format!("can't be baked: {error}") }
+        }
+        other => Error::Bake(other),
     }
 }
 

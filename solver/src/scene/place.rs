@@ -132,7 +132,7 @@ mod tests {
         let json = "{ \"a\": \"}\\\"b\", \"x\": [1, {\"b\": 2}],\n  \"b\": [ {\"c\": {}},\n {\"e\": -1.5e3, \"c\": {\"d\": 7}} ] }";
         let at = locate(json, Syntax::Json, &PATH);
         assert!(json[at..].starts_with("\"d\": 7"), "{}", &json[at..]);
-        assert_eq!(line_and_column(json, at), (3, 23));
+        assert_eq!(line_and_column(json, at), (3, 22));
         let toml = "a = 1\n[[b]]\n[[b]]\n  [b.c]\n    d = 7\n";
         assert_eq!(line_and_column(toml, locate(toml, Syntax::Toml, &PATH)), (5, 5));
     }

@@ -1,14 +1,16 @@
 //! From a scene to what the solver starts with: maps, particles, nozzles.
 
+use super::Scene;
 use super::body::{self, Body, Source};
 use super::emitter::Emitter;
 use super::map::{Library, Origin, Shape, default_cache};
 use super::overlap::{BODY_MARGIN, drop_in_bodies};
-use super::sources::{self, Particles};
-use super::{Scene, sources::SourceCount};
+use super::sources::{self, Particles, Solid, SourceCount};
 use crate::error::Error;
 use std::path::Path;
 use std::sync::Arc;
+use volmap_baker::mesh::diagnose;
+use volmap_baker::sdf::{MeshDistance, SignMethod};
 use volmap_formats::mesh::TriangleMesh;
 use volmap_runtime::{Pose, PosedMap, VolumeMap};
 
@@ -73,8 +75,10 @@ pub fn prepare(scene: &Scene, on_bake: &mut dyn FnMut(&Path)) -> Result<Prepared
     let mut fills = Vec::new();
     for (i, fill) in scene.fills.iter().enumerate() {
         let key = format!("fills[{i}]");
-        let map = library.obtain(given(fill.source(), &key)?, &key)?.map;
-        fills.push(PosedMap { map, pose: fill.pose() });
+        let Shape { map, mesh, .. } = library.obtain(given(fill.source(), &key)?, &key)?;
+        let mesh = mesh.map(|mesh| MeshDistance::new(&mesh, SignMethod::Auto, &diagnose(&mesh)));
+        let map = PosedMap { map, pose: fill.pose() };
+        fills.push(Solid { map, mesh, thickness: fill.bake.thickness });
     }
     let mut notes = library.notes;
     let posed: Vec<PosedMap> = bodies.iter().map(PreparedBody::posed).collect();
@@ -123,7 +127,7 @@ fn check_not_empty(scene: &Scene, particles: &Particles) -> Result<(), Error> {
 
 fn left_out(count: &SourceCount) -> Option<String> {
     let reasons = [
-        (count.in_bodies, "lie in a body or closer to it than half a particle radius"),
+        (count.in_bodies, "lie in a body or closer to it than a fifth of a particle radius"),
         (count.duplicates, "are on top of particles of an earlier source"),
         (count.outside, "lie out of the domain"),
     ];

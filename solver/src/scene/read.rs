@@ -123,10 +123,11 @@ fn explain(message: &str) -> String {
             continue;
         };
         let known: Vec<&str> = known.split('`').skip(1).step_by(2).collect();
-        return match (nearest(name, &known), known.is_empty()) {
-            (_, true) => format!("unknown {word} `{name}`; none is known here"),
-            (Some(meant), _) => format!("unknown {word} `{name}`; did you mean `{meant}`?"),
-            (None, _) => format!("unknown {word} `{name}`; known here: {}", known.join(", ")),
+        let meant = nearest(name, &known);
+        return match (known.is_empty(), meant.is_empty()) {
+            (true, _) => format!("unknown {word} `{name}`; none is known here"),
+            (_, false) => format!("unknown {word} `{name}`; did you mean `{}`?", meant.join("` or `")),
+            _ => format!("unknown {word} `{name}`; known here: {}", known.join(", ")),
         };
     }
     if let Some(name) = message.strip_prefix("missing field ") {
@@ -138,16 +139,19 @@ fn explain(message: &str) -> String {
     message.replace('\n', "; ")
 }
 
-/// The known word that was probably meant.
-fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
-    let name = name.to_lowercase().replace('-', "_");
-    let close = known.iter().filter_map(|candidate| {
-        let plain = candidate.replace('-', "_");
-        let distance = strsim::damerau_levenshtein(&name, &plain);
-        let contained = name.len() > 3 && (plain.contains(&name) || name.contains(&plain));
-        (contained || 3 * distance <= name.len().max(plain.len())).then_some((distance, *candidate))
-    });
-    close.min().map(|(_, candidate)| candidate)
+/// The known words that were probably meant: the closest, or those that hold the name or a part of it.
+fn nearest<'a>(name: &str, known: &[&'a str]) -> Vec<&'a str> {
+    let plain = |word: &str| word.to_lowercase().replace('-', "_");
+    let name = plain(name);
+    let distance = |word: &&&str| strsim::damerau_levenshtein(&name, &plain(word));
+    if let Some(closest) = known.iter().min_by_key(distance) {
+        if 3 * distance(&closest) <= name.len().max(closest.len()) {
+            return vec![closest];
+        }
+    }
+    let related =
+        |word: &&str| name.len() > 3 && (plain(word).contains(&name) || name.contains(&plain(word)));
+    known.iter().copied().filter(related).collect()
 }
 
 fn resolve(scene: &mut Scene, folder: &Path) {
