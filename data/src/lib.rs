@@ -3,7 +3,7 @@
 //!
 //! The way of a smooth shape: [`duck`] describes a solid as an implicit function built from [`solids`],
 //! [`surface`] meshes its zero set, [`improve`] makes the triangles well shaped. [`canyon`] is a height field
-//! over [`noise`], [`lattice`] and [`tank`] are made of boxes, [`damaged`] breaks a good mesh in a known way.
+//! over [`noise`], [`lattice`] and [`tank`] are made of boxes, [`drum`] is a prism, [`damaged`] breaks a good mesh in a known way.
 //! [`topology`] counts what is wrong with a mesh, [`obj`] writes it.
 //!
 //! Guarantee: everything is computed with `+ - * /` and the square root, which IEEE 754 rounds exactly, and
@@ -11,6 +11,7 @@
 
 pub mod canyon;
 pub mod damaged;
+pub mod drum;
 pub mod duck;
 pub mod improve;
 pub mod lattice;
@@ -47,5 +48,6 @@ pub fn samples() -> Vec<Sample> {
         sample("grid.obj", "A thin grid of 9 x 9 holes, closed, 1 x 0.03 x 1 m", lattice::grid()),
         sample("bad_holes.obj", "A duck with known damage: see README.md", damaged::bad_duck()),
         sample("tank.obj", "A cube of 3.1 m, closed, to be baked inverted as a tank", tank::tank()),
+        sample("drum.obj", "A drum with four baffles, closed, axis z, to be baked inverted", drum::drum()),
     ]
 }

@@ -33,7 +33,7 @@ fn files_are_small_and_hold_every_vertex_and_triangle() {
 /// File, triangles, Euler characteristic, box and volume (m^3).
 type Stated = (&'static str, usize, i64, [DVec3; 2], f64);
 
-fn stated() -> [Stated; 4] {
+fn stated() -> [Stated; 5] {
     let v = DVec3::new;
     [
         ("duck.obj", DUCK, 2, [v(-0.65, -0.65, -0.75), v(0.65, 0.65, 0.75)], DUCK_VOLUME),
@@ -41,6 +41,7 @@ fn stated() -> [Stated; 4] {
         // 81 holes through a ball: 2 - 2 * 81. Volume: 10 bars each way, less their 100 crossings.
         ("grid.obj", 4_800, -160, [v(-0.5, -0.015, -0.5), v(0.5, 0.015, 0.5)], 2e1 * 9e-4 - 1e2 * 2.7e-5),
         ("tank.obj", 12, 2, [v(-1.55, 0.0, -1.55), v(1.55, 3.1, 1.55)], 29.791),
+        ("drum.obj", 144, 2, [v(-1.0, -1.0, -0.4), v(1.0, 1.0, 0.4)], 2.4203),
     ]
 }
 
@@ -101,7 +102,7 @@ fn duck_has_no_slivers_and_no_folds() {
 
 #[test]
 fn other_meshes_have_no_slivers() {
-    for (file, least) in [("canyon.obj", 8.0), ("grid.obj", 40.0), ("tank.obj", 44.9)] {
+    for (file, least) in [("canyon.obj", 8.0), ("grid.obj", 40.0), ("tank.obj", 44.9), ("drum.obj", 5.0)] {
         let smallest = min_angles(&read(file)).into_iter().fold(180.0, f64::min);
         assert!(smallest > least, "{file}: {smallest}");
     }

@@ -1,1 +1,222 @@
 //! The scene file: parsed, checked, turned into particles and bodies.
+//!
+//! ```text
+//! file -> read (keys, types) -> check (ranges) -> Scene -> prepare: maps, sources -> Prepared
+//! ```
+//! The boundaries are those of Bender et al. 2020, *Implicit Frictional Boundary Handling for SPH*; the scene's
+//! concepts follow the papers' own program. A [`Scene`] can be made in Rust as well as by [`load`]: [`prepare`] checks
+//! it either way. SI units throughout, y up as a rule.
+
+pub mod body;
+mod check;
+pub mod emitter;
+pub mod fluid;
+pub mod lattice;
+pub mod map;
+pub mod numbers;
+pub mod output;
+mod overlap;
+mod place;
+pub mod prepare;
+mod read;
+pub mod sources;
+pub mod summary;
+
+pub use body::{Bake, Body, FreeMotion, Keyframe, Material, Motion, Spin};
+pub use emitter::Emitter;
+pub use fluid::{Block, EmitterSettings, Fill, Nozzle};
+pub use numbers::{PerAxis, Region, Rotation};
+pub use output::{Camera, Format, OutputSettings, Picture, StopSettings};
+pub use prepare::{Prepared, PreparedBody, prepare};
+pub use read::{Syntax, load, parse};
+pub use summary::{Summary, check, info};
+
+use crate::error::Error;
+use crate::settings::{FluidSettings, SolverSettings, World};
+use check::{At, Checked};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+
+/// The version of the format that this program reads.
+pub const VERSION: u32 = 1;
+
+/// A scene for volmap-sim, version 1. Lengths in metres, times in seconds, masses in kilograms, angles in degrees;
+/// files are named relative to the scene's own file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "volmap scene")]
+pub struct Scene {
+    /// Version of this format: 1.
+    pub version: u32,
+    /// Radius of the fluid's particles, metres: half of their spacing.
+    pub particle_radius: f64,
+    /// Support radius of the kernel, metres. Maps must be baked for it. Default: 4 particle radii.
+    #[serde(default)]
+    pub support_radius: Option<f64>,
+    /// SPH kernel.
+    #[serde(default)]
+    pub kernel: Kernel,
+    /// How a map's volume becomes a density.
+    #[serde(default)]
+    pub closure: Closure,
+    /// Gravity, m/s^2. Default: 9.81 downwards.
+    #[serde(default = "default_gravity")]
+    pub gravity: [f64; 3],
+    /// Particles that leave this box are removed and counted. Default: there is none.
+    #[serde(default)]
+    pub domain: Option<Region>,
+    /// Folder where baked meshes are kept. Default: `volmap` in the user's cache folder.
+    #[serde(default)]
+    pub cache: Option<PathBuf>,
+    /// The fluid's properties.
+    #[serde(default)]
+    pub fluid: FluidSettings,
+    /// Boxes filled with particles at the start.
+    #[serde(default)]
+    pub blocks: Vec<Block>,
+    /// Solids filled with particles at the start.
+    #[serde(default)]
+    pub fills: Vec<Fill>,
+    /// Nozzles that add particles during the run.
+    #[serde(default)]
+    pub emitters: Vec<EmitterSettings>,
+    /// What the fluid touches.
+    #[serde(default)]
+    pub bodies: Vec<Body>,
+    /// Pressure solves and time step.
+    #[serde(default)]
+    pub solver: SolverSettings,
+    /// What the run leaves.
+    #[serde(default)]
+    pub output: OutputSettings,
+    /// When the run ends.
+    #[serde(default)]
+    pub stop: StopSettings,
+}
+
+/// SPH kernels, all scaled to the support radius.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Kernel {
+    /// Cubic spline (Monaghan 1992).
+    #[default]
+    CubicSpline,
+    /// Wendland's C2 function (Wendland 1995).
+    #[serde(rename = "wendland-c2")]
+    WendlandC2,
+    /// Spiky (Mueller et al. 2003).
+    Spiky,
+    /// Poly6 (Mueller et al. 2003).
+    Poly6,
+}
+
+/// From the volume of the boundary to its density.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Closure {
+    /// The volume at the closest point (Bender et al. 2020, Eq. 14).
+    Paper,
+    /// The volume at a point moved away from the particle, as SPlisHSPlasH has it.
+    Offset,
+    /// Exact at planes and, to first order, at curved surfaces.
+    #[default]
+    Calibrated,
+}
+
+fn default_gravity() -> [f64; 3] {
+    World::default().gravity.to_array()
+}
+
+impl Default for Scene {
+    /// No fluid, no bodies.
+    fn default() -> Self {
+        Scene {
+            version: VERSION,
+            particle_radius: World::default().particle_radius,
+            support_radius: None,
+            kernel: Kernel::default(),
+            closure: Closure::default(),
+            gravity: default_gravity(),
+            domain: None,
+            cache: None,
+            fluid: FluidSettings::default(),
+            blocks: Vec::new(),
+            fills: Vec::new(),
+            emitters: Vec::new(),
+            bodies: Vec::new(),
+            solver: SolverSettings::default(),
+            output: OutputSettings::default(),
+            stop: StopSettings::default(),
+        }
+    }
+}
+
+impl Scene {
+    /// Support radius r of the kernel, metres.
+    pub fn support_radius(&self) -> f64 {
+        self.support_radius.unwrap_or(4.0 * self.particle_radius)
+    }
+
+    /// Distance of neighbouring particles of a lattice at rest, metres.
+    pub fn spacing(&self) -> f64 {
+        2.0 * self.particle_radius
+    }
+
+    /// What the solver needs of it all the time.
+    pub fn world(&self) -> World {
+        World {
+            particle_radius: self.particle_radius,
+            support_radius: self.support_radius(),
+            gravity: self.gravity.into(),
+        }
+    }
+
+    /// The JSON Schema of the file.
+    pub fn schema() -> serde_json::Value {
+        schemars::schema_for!(Scene).to_value()
+    }
+
+    /// Checks every number, without looking at any file.
+    ///
+    /// # Errors
+    /// The first value that can't be used, named by its key.
+    pub fn validate(&self) -> Result<(), Error> {
+        self.check().map_err(|problem| Error::Scene { place: problem.key(), reason: problem.reason })
+    }
+
+    fn check(&self) -> Checked {
+        let top = At::top();
+        if self.version != VERSION {
+            return Err(top
+                .problem("version", format!("{} is not known; this program reads {VERSION}", self.version)));
+        }
+        top.within("particle_radius", self.particle_radius, [1e-6, 1e3])?;
+        let ratio = self.support_radius() / self.particle_radius;
+        if !(2.5..=10.0).contains(&ratio) {
+            let reason = format!(
+                "{} m is {ratio:.2} particle radii; kernels need 2.5 to 10, as a rule 4",
+                self.support_radius()
+            );
+            return Err(top.problem("support_radius", reason));
+        }
+        top.vector("gravity", self.gravity)?;
+        if let Some(domain) = &self.domain {
+            domain.check(&top.key("domain"))?;
+        }
+        check::fluid(&top.key("fluid"), &self.fluid)?;
+        check::solver(&top.key("solver"), &self.solver)?;
+        for (i, block) in self.blocks.iter().enumerate() {
+            block.check(&top.key("blocks").item(i), self.spacing())?;
+        }
+        for (i, fill) in self.fills.iter().enumerate() {
+            fill.check(&top.key("fills").item(i))?;
+        }
+        for (i, emitter) in self.emitters.iter().enumerate() {
+            emitter.check(&top.key("emitters").item(i), self.particle_radius)?;
+        }
+        body::check_all(&top.key("bodies"), &self.bodies)?;
+        self.output.check(&top.key("output"))?;
+        self.stop.check(&top.key("stop"))
+    }
+}

@@ -1,0 +1,5 @@
+//! The commands of `volmap-sim`.
+
+pub mod check;
+pub mod info;
+pub mod schema;

@@ -1,0 +1,144 @@
+//! Checks of a scene's values; a problem knows the way to its key.
+
+use crate::settings::{FluidSettings, SolveSettings, SolverSettings};
+
+/// One step from a table to a value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Step {
+    /// Into a table.
+    Key(&'static str),
+    /// Into a list.
+    Item(usize),
+}
+
+/// A value that can't be used.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Problem {
+    /// The way to it.
+    pub path: Vec<Step>,
+    /// What is wrong and the cure.
+    pub reason: String,
+}
+
+/// What a check finds.
+pub(super) type Checked = Result<(), Problem>;
+
+/// Lengths, speeds and times beyond this are mistakes, and their squares could overflow.
+const MAX_MAGNITUDE: f64 = 1e9;
+
+impl Problem {
+    /// The key, as `bodies[1].material.friction`.
+    pub fn key(&self) -> String {
+        let mut out = String::new();
+        for step in &self.path {
+            match step {
+                Step::Key(name) if out.is_empty() => out.push_str(name),
+                Step::Key(name) => out = format!("{out}.{name}"),
+                Step::Item(index) => out = format!("{out}[{index}]"),
+            }
+        }
+        out
+    }
+}
+
+/// Where a check is: a table of the scene.
+#[derive(Clone, Debug)]
+pub(super) struct At(Vec<Step>);
+
+impl At {
+    /// The scene itself.
+    pub fn top() -> At {
+        At(Vec::new())
+    }
+
+    /// A table in this one.
+    pub fn key(&self, name: &'static str) -> At {
+        self.then(Step::Key(name))
+    }
+
+    /// An item of this list.
+    pub fn item(&self, index: usize) -> At {
+        self.then(Step::Item(index))
+    }
+
+    fn then(&self, step: Step) -> At {
+        At(self.0.iter().copied().chain([step]).collect())
+    }
+
+    /// A problem with a key of this table.
+    pub fn problem(&self, name: &'static str, reason: impl Into<String>) -> Problem {
+        Problem { path: self.key(name).0, reason: reason.into() }
+    }
+
+    /// A problem with all of this table.
+    pub fn problem_here(&self, reason: impl Into<String>) -> Problem {
+        Problem { path: self.0.clone(), reason: reason.into() }
+    }
+
+    pub fn finite(&self, name: &'static str, value: f64) -> Checked {
+        self.require(name, value.abs() <= MAX_MAGNITUDE, || format!("{value} is not a usable number"))
+    }
+
+    pub fn positive(&self, name: &'static str, value: f64) -> Checked {
+        self.finite(name, value)?;
+        self.require(name, value > 0.0, || format!("{value} is not positive"))
+    }
+
+    pub fn not_negative(&self, name: &'static str, value: f64) -> Checked {
+        self.finite(name, value)?;
+        self.require(name, value >= 0.0, || format!("{value} is negative"))
+    }
+
+    pub fn within(&self, name: &'static str, value: f64, [low, high]: [f64; 2]) -> Checked {
+        self.require(name, (low..=high).contains(&value), || format!("{value} is not within {low} to {high}"))
+    }
+
+    pub fn vector(&self, name: &'static str, value: [f64; 3]) -> Checked {
+        value.into_iter().try_for_each(|x| self.finite(name, x))
+    }
+
+    pub fn direction(&self, name: &'static str, value: [f64; 3]) -> Checked {
+        self.vector(name, value)?;
+        let squared: f64 = value.iter().map(|x| x * x).sum();
+        self.require(name, squared > 1e-24, || "has no length; a direction needs one".into())
+    }
+
+    pub fn require(&self, name: &'static str, holds: bool, reason: impl FnOnce() -> String) -> Checked {
+        if holds { Ok(()) } else { Err(self.problem(name, reason())) }
+    }
+}
+
+pub(super) fn fluid(at: &At, fluid: &FluidSettings) -> Checked {
+    at.positive("rest_density", fluid.rest_density)?;
+    at.not_negative("viscosity", fluid.viscosity)?;
+    at.within("xsph", fluid.xsph, [0.0, 1.0])?;
+    at.within("volume_factor", fluid.volume_factor, [0.1, 2.0])
+}
+
+pub(super) fn solver(at: &At, solver: &SolverSettings) -> Checked {
+    solve(&at.key("density"), &solver.density)?;
+    solve(&at.key("divergence"), &solver.divergence)?;
+    at.positive("relaxation", solver.relaxation)?;
+    at.within("relaxation", solver.relaxation, [0.0, 1.0])?;
+    at.within("warm_start", solver.warm_start, [0.0, 1.0])?;
+    let (at, step) = (at.key("time_step"), &solver.time_step);
+    at.positive("min", step.min)?;
+    at.positive("max", step.max)?;
+    at.positive("initial", step.initial)?;
+    at.positive("cfl_factor", step.cfl_factor)?;
+    at.require("min", step.min <= step.max, || format!("{} s is more than max, {} s", step.min, step.max))?;
+    let inside = !step.adaptive || (step.min..=step.max).contains(&step.initial);
+    at.require("initial", inside, || {
+        format!("{} s is not within min, {} s, to max, {} s", step.initial, step.min, step.max)
+    })
+}
+
+fn solve(at: &At, solve: &SolveSettings) -> Checked {
+    at.positive("max_error", solve.max_error)?;
+    at.require("max_iterations", solve.max_iterations > 0, || {
+        "0 iterations solve nothing; enabled = false does".into()
+    })?;
+    at.require("min_iterations", solve.min_iterations <= solve.max_iterations, || {
+        format!("{} is more than max_iterations, {}", solve.min_iterations, solve.max_iterations)
+    })
+}

@@ -1,0 +1,195 @@
+//! From a body's file to its volume map: opened, or baked on first use and kept in a cache.
+
+use super::body::{Bake, Source, Up};
+use crate::error::Error;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use volmap_baker::bake::{BakeSettings, bake};
+use volmap_baker::input::{self, Input, InputSettings};
+use volmap_baker::plan::{GridChoice, Settings};
+use volmap_formats::asset::{self, Compression, Exterior, FORMAT_VERSION};
+use volmap_formats::mesh::{self, Placement, TriangleMesh, UpAxis};
+use volmap_runtime::VolumeMap;
+
+/// Part by which a map's support radius may differ from the scene's: other programs store it in single precision.
+const SAME_RADIUS: f64 = 1e-6;
+
+/// A map and, if it comes from one, its mesh.
+#[derive(Clone, Debug)]
+pub struct Shape {
+    /// The map, in the body's frame.
+    pub map: Arc<VolumeMap>,
+    /// The mesh as it was baked: scaled, triangles the right way round.
+    pub mesh: Option<Arc<TriangleMesh>>,
+    /// Where the map comes from.
+    pub origin: Origin,
+}
+
+/// Where a map comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Origin {
+    /// An asset that the scene names.
+    Asset,
+    /// Baked before.
+    Cache,
+    /// Baked now.
+    Baked,
+}
+
+/// Opens and bakes what a scene needs, each once.
+pub struct Library<'a> {
+    support_radius: f64,
+    cache: PathBuf,
+    shapes: Vec<(String, Shape)>,
+    /// What went wrong without harm.
+    pub notes: Vec<String>,
+    on_bake: &'a mut dyn FnMut(&Path),
+}
+
+/// Where baked maps are kept if the scene doesn't say: `volmap` in the user's cache folder.
+pub fn default_cache() -> PathBuf {
+    let folder = |name: &str| std::env::var_os(name).map(PathBuf::from).filter(|path| path.is_absolute());
+    let home =
+        || Some(folder("HOME")?.join(if cfg!(target_os = "macos") { "Library/Caches" } else { ".cache" }));
+    let found = folder("XDG_CACHE_HOME").or_else(|| folder("LOCALAPPDATA")).or_else(home);
+    found.unwrap_or_else(std::env::temp_dir).join("volmap")
+}
+
+impl<'a> Library<'a> {
+    /// Nothing opened yet. `on_bake` is called with the mesh before each bake, which may take seconds.
+    pub fn new(support_radius: f64, cache: PathBuf, on_bake: &'a mut dyn FnMut(&Path)) -> Library<'a> {
+        Library { support_radius, cache, shapes: Vec::new(), notes: Vec::new(), on_bake }
+    }
+
+    /// The map of a source; `key` is the scene's name for it, as `bodies[0]`. The same source gives the same map.
+    ///
+    /// # Errors
+    /// A file that is missing or can't be used; a mesh that can't be baked.
+    pub fn obtain(&mut self, source: Source, key: &str) -> Result<Shape, Error> {
+        let path = source.path();
+        if !path.is_file() {
+            let what = if matches!(source, Source::Map(_)) { "map" } else { "mesh" };
+            let reason = format!("there is no file {}; paths are relative to the scene file", path.display());
+            return Err(Error::Scene { place: format!("{key}.{what}"), reason });
+        }
+        let identity = format!("{source:?}");
+        if let Some((_, shape)) = self.shapes.iter().find(|(name, _)| *name == identity) {
+            return Ok(shape.clone());
+        }
+        let shape = match source {
+            Source::Map(path) => {
+                Shape { map: Arc::new(VolumeMap::open(path)?), mesh: None, origin: Origin::Asset }
+            }
+            Source::Mesh(path, settings) => self.bake_or_open(path, settings)?,
+        };
+        self.shapes.push((identity, shape.clone()));
+        Ok(shape)
+    }
+
+    /// The same for a body: its map must have the scene's support radius.
+    ///
+    /// # Errors
+    /// As [`Library::obtain`], and a map of another radius.
+    pub fn obtain_for_body(&mut self, source: Source, key: &str) -> Result<Shape, Error> {
+        let shape = self.obtain(source, key)?;
+        let (has, needs) = (shape.map.support_radius(), self.support_radius);
+        if (has - needs).abs() <= SAME_RADIUS * needs {
+            return Ok(shape);
+        }
+        let file = source.path().display();
+        let invert = if shape.map.exterior() == Exterior::Solid { " --invert" } else { "" };
+        let reason = format!(
+            "{file} was baked for a support radius of {has} m, but the scene's is {needs} m; bake its mesh again: \
+             volmap bake MESH -o {file} --support-radius {needs}{invert}, or name the mesh in the scene instead"
+        );
+        Err(Error::Scene { place: format!("{key}.map"), reason })
+    }
+
+    fn bake_or_open(&mut self, path: &Path, settings: &Bake) -> Result<Shape, Error> {
+        let (placing, baking) = (input_settings(settings), self.bake_settings(settings));
+        let bytes = mesh::read_bytes(path).map_err(volmap_baker::Error::from)?;
+        let cached = self.cache.join(cached_name(path, &bytes, &format!("{placing:?} {baking:?}")));
+        let mut input = input::from_bytes(path, bytes, &placing)?;
+        let opened = cached.is_file().then(|| VolumeMap::open(&cached).ok()).flatten();
+        let (map, origin) = match opened {
+            Some(map) => (map, Origin::Cache),
+            None => (self.baked(path, &cached, input.clone(), &baking)?, Origin::Baked),
+        };
+        volmap_baker::mesh::prepare(&mut input.mesh, baking.keep_orientation);
+        Ok(Shape { map: Arc::new(map), mesh: Some(Arc::new(input.mesh)), origin })
+    }
+
+    /// Bakes, and keeps what came of it if it can.
+    fn baked(
+        &mut self,
+        path: &Path,
+        cached: &Path,
+        input: Input,
+        settings: &BakeSettings,
+    ) -> Result<VolumeMap, Error> {
+        (self.on_bake)(path);
+        let baked =
+            bake(input, settings, &mut |_| (), &mut |_| ()).map_err(|error| cannot_bake(path, error))?;
+        let notes = baked.summary.warnings.iter().map(|warning| format!("{}: {warning}", path.display()));
+        self.notes.extend(notes);
+        let kept = std::fs::create_dir_all(&self.cache).map_err(|error| error.to_string());
+        let kept = kept.and_then(|()| {
+            asset::write(cached, &baked.asset, Compression::default()).map_err(|error| error.to_string())
+        });
+        if let Err(error) = kept {
+            self.notes.push(format!("{}: the map is not kept in the cache: {error}", path.display()));
+        }
+        Ok(VolumeMap::from_asset(&baked.asset)?)
+    }
+
+    fn bake_settings(&self, settings: &Bake) -> BakeSettings {
+        let grid = match (settings.resolution, settings.cell_size) {
+            (Some(cells), _) => GridChoice::Resolution(cells.0),
+            (None, Some(edge)) => GridChoice::CellSize(edge),
+            (None, None) => GridChoice::FromRadius,
+        };
+        let map = Settings {
+            support_radius: Some(self.support_radius),
+            grid,
+            invert: settings.invert,
+            thickness: settings.thickness,
+            ..Settings::default()
+        };
+        BakeSettings { map, ..BakeSettings::default() }
+    }
+}
+
+/// Errors of settings don't say which mesh they are about.
+fn cannot_bake(path: &Path, error: volmap_baker::Error) -> Error {
+    match error {
+        volmap_baker::Error::Setting { .. } | volmap_baker::Error::Memory { .. } => {
+            Error::Scene { place: path.display().to_string(), reason: format!("can't be baked: {error}") }
+        }
+        other => Error::Bake(other),
+    }
+}
+
+fn input_settings(settings: &Bake) -> InputSettings {
+    let up_axis = match settings.up {
+        Up::X => UpAxis::X,
+        Up::Y => UpAxis::Y,
+        Up::Z => UpAxis::Z,
+    };
+    let scale = settings.scale.map_or([1.0; 3], |scale| scale.0);
+    InputSettings {
+        unit: settings.unit,
+        placement: Placement { up_axis, scale, ..Placement::default() },
+        ..InputSettings::default()
+    }
+}
+
+/// By content: the mesh's bytes, all that the bake depends on, the program.
+fn cached_name(path: &Path, bytes: &[u8], settings: &str) -> String {
+    let mut hasher = blake3::Hasher::new();
+    let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    let rest = format!("{} {} {extension} {settings} ", env!("CARGO_PKG_VERSION"), FORMAT_VERSION);
+    hasher.update(rest.as_bytes());
+    hasher.update(bytes);
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    format!("{stem}-{}.h5", &hasher.finalize().to_hex()[..24])
+}

@@ -1,0 +1,128 @@
+//! What a run leaves, and when it ends.
+
+use super::check::{At, Checked};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// What a run leaves in its folder.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct OutputSettings {
+    /// Frames per simulated second; 0: none.
+    pub frames_per_second: f64,
+    /// Files of the particles in every frame.
+    pub formats: Vec<Format>,
+    /// Pictures of the run, one of each kind.
+    pub preview: Vec<Picture>,
+    /// Where pictures are seen from. Default: from where all is seen.
+    pub camera: Option<Camera>,
+    /// Simulated seconds between check-points; 0: none.
+    pub checkpoint_interval: f64,
+    /// Whether a line per step goes to stats.csv.
+    pub statistics: bool,
+}
+
+/// Files of particles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Format {
+    /// VTK's XML, for ParaView.
+    Vtu,
+    /// Stanford's, for splashsurf and Blender.
+    Ply,
+    /// Houdini's, for splashsurf and Houdini.
+    Bgeo,
+}
+
+/// Pictures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Picture {
+    /// One of every frame.
+    Png,
+    /// All frames in one file that moves.
+    Apng,
+}
+
+/// Where pictures are seen from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Camera {
+    /// Its place, metres.
+    pub position: [f64; 3],
+    /// What it looks at, metres.
+    pub target: [f64; 3],
+    /// What is up. Default: y.
+    #[serde(default = "up")]
+    pub up: [f64; 3],
+    /// Angle from the picture's lower to its upper edge, degrees. Default: 40.
+    #[serde(default = "field_of_view")]
+    pub field_of_view: f64,
+}
+
+fn up() -> [f64; 3] {
+    [0.0, 1.0, 0.0]
+}
+
+fn field_of_view() -> f64 {
+    40.0
+}
+
+/// When a run ends: at the first of these.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct StopSettings {
+    /// Simulated seconds.
+    pub time: f64,
+    /// Steps. Default: any number.
+    pub steps: Option<u64>,
+}
+
+impl Default for OutputSettings {
+    fn default() -> Self {
+        OutputSettings {
+            frames_per_second: 25.0,
+            formats: vec![Format::Vtu],
+            preview: vec![Picture::Apng],
+            camera: None,
+            checkpoint_interval: 0.0,
+            statistics: true,
+        }
+    }
+}
+
+impl Default for StopSettings {
+    fn default() -> Self {
+        StopSettings { time: 5.0, steps: None }
+    }
+}
+
+impl OutputSettings {
+    pub(super) fn check(&self, at: &At) -> Checked {
+        at.within("frames_per_second", self.frames_per_second, [0.0, 1e6])?;
+        at.not_negative("checkpoint_interval", self.checkpoint_interval)?;
+        match &self.camera {
+            Some(camera) => camera.check(&at.key("camera")),
+            None => Ok(()),
+        }
+    }
+}
+
+impl Camera {
+    fn check(&self, at: &At) -> Checked {
+        at.vector("position", self.position)?;
+        at.vector("target", self.target)?;
+        at.direction("up", self.up)?;
+        at.within("field_of_view", self.field_of_view, [1.0, 170.0])?;
+        let [position, target, up] = [self.position, self.target, self.up].map(glam::DVec3::from);
+        let view = (target - position).normalize_or_zero();
+        let across = view.cross(up.normalize_or_zero()).length();
+        at.require("target", across > 1e-6, || "is the camera's place, or straight along `up` from it".into())
+    }
+}
+
+impl StopSettings {
+    pub(super) fn check(&self, at: &At) -> Checked {
+        at.positive("time", self.time)
+    }
+}

@@ -1,0 +1,98 @@
+//! Particles that can't be where they were put: in a body, out of the domain, or on top of another.
+
+use super::numbers::Region;
+use glam::{DVec3, IVec3};
+use std::collections::HashMap;
+use volmap_runtime::{PosedMap, Values};
+
+/// Closer to a body than this part of rp, a particle is taken away. A map says 0.25 rp of a particle that touches the
+/// three walls of a tank's corner, if its cells have half the support radius: that one must stay.
+pub const BODY_MARGIN: f64 = 0.2;
+/// Points that are asked for at a time.
+const BLOCK: usize = 4096;
+
+/// Drops the points that lie in a body or closer to it than `margin`, metres. Returns how many.
+pub(super) fn drop_in_bodies(points: &mut Vec<DVec3>, bodies: &[PosedMap], margin: f64) -> u64 {
+    let before = points.len();
+    let mut values: Vec<Values> = Vec::new();
+    for body in bodies {
+        let mut kept = Vec::with_capacity(points.len());
+        for block in points.chunks(BLOCK) {
+            body.values_batch(block, &mut values);
+            kept.extend(
+                block.iter().zip(&values).filter(|(_, at)| at.distance >= margin).map(|(point, _)| *point),
+            );
+        }
+        *points = kept;
+    }
+    (before - points.len()) as u64
+}
+
+/// Drops the points out of a box. Returns how many.
+pub(super) fn drop_outside(points: &mut Vec<DVec3>, domain: Option<&Region>) -> u64 {
+    let before = points.len();
+    if let Some(domain) = domain {
+        points.retain(|&point| domain.contains(point));
+    }
+    (before - points.len()) as u64
+}
+
+/// What was placed so far, in cubes of the least distance.
+pub(super) struct Placed {
+    least: f64,
+    cubes: HashMap<IVec3, Vec<DVec3>>,
+    bounds: Vec<[DVec3; 2]>,
+}
+
+impl Placed {
+    /// Nothing; particles closer than `least` are the same.
+    pub fn new(least: f64) -> Placed {
+        Placed { least, cubes: HashMap::new(), bounds: Vec::new() }
+    }
+
+    /// Drops the points that are too close to those of other sources. Returns how many.
+    pub fn drop_duplicates(&self, points: &mut Vec<DVec3>) -> u64 {
+        let before = points.len();
+        points.retain(|&point| !self.is_taken(point));
+        (before - points.len()) as u64
+    }
+
+    /// Adds a source's points; those that no box of `later` sources reaches needn't be remembered.
+    pub fn add(&mut self, points: &[DVec3], later: &[[DVec3; 2]]) {
+        let near = |point: DVec3| {
+            later.iter().any(|[low, high]| {
+                point.cmpge(*low - self.least).all() && point.cmple(*high + self.least).all()
+            })
+        };
+        for &point in points.iter().filter(|&&point| near(point)) {
+            self.cubes.entry(self.cube(point)).or_default().push(point);
+        }
+        self.bounds.extend(bounds(points));
+    }
+
+    fn cube(&self, point: DVec3) -> IVec3 {
+        (point / self.least).floor().as_ivec3()
+    }
+
+    fn is_taken(&self, point: DVec3) -> bool {
+        let reaches = |[low, high]: &[DVec3; 2]| {
+            point.cmpge(*low - self.least).all() && point.cmple(*high + self.least).all()
+        };
+        if !self.bounds.iter().any(reaches) {
+            return false;
+        }
+        let cube = self.cube(point);
+        let around = (0..27).map(|i| IVec3::new(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1));
+        let limit = self.least * self.least * (1.0 - 1e-6);
+        around
+            .filter_map(|step| self.cubes.get(&cube.saturating_add(step)))
+            .flatten()
+            .any(|other| other.distance_squared(point) < limit)
+    }
+}
+
+/// The box of some points, if there are any.
+pub(super) fn bounds(points: &[DVec3]) -> Option<[DVec3; 2]> {
+    let first = *points.first()?;
+    Some(points.iter().fold([first; 2], |[low, high], &point| [low.min(point), high.max(point)]))
+}
