@@ -15,7 +15,7 @@ pub mod colours;
 pub mod contour;
 pub mod drawing;
 pub mod figure;
-mod font;
+pub mod font;
 mod frame;
 pub mod lattice;
 mod legend;

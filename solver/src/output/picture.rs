@@ -133,11 +133,13 @@ pub struct Painter {
 struct Behind {
     colours: [Vec3; 4],
     depths: [f32; 4],
+    /// Whether any is of a body.
+    body: bool,
 }
 
 /// Samples along each side of a pixel.
 const FINER: usize = 2;
-const CONTAINER: [u8; 3] = [222, 226, 232];
+const CONTAINER: [u8; 3] = [234, 238, 243];
 /// Colours of bodies, none of them that of water.
 const PALETTE: [[u8; 3]; 6] =
     [[246, 190, 50], [213, 94, 0], [0, 158, 115], [204, 121, 167], [160, 160, 165], [150, 105, 70]];
@@ -179,7 +181,13 @@ impl Painter {
         if self.settings.style == Style::Surface {
             let depth = self.view.local(self.world.bounds.centre()).z.max(self.view.near);
             let pixels = (radius * self.view.scale_at(depth)).clamp(1.5, 60.0);
-            smooth::smooth(&mut self.fluid, &mut self.spare, self.view.size[0], pixels, 3.5 * radius);
+            smooth::smooth(
+                &mut self.fluid,
+                &mut self.spare,
+                self.view.size[0],
+                1.6 * pixels,
+                [4.0 * radius, 5.0 * radius],
+            );
         }
         self.finish(frame, &poses)
     }
@@ -238,7 +246,10 @@ impl Painter {
         let (fluid, behind) = (&mut self.fluid, &mut self.behind);
         fluid.clear();
         fluid.resize(width * height, Fluid::NONE);
-        behind.resize(width * height, Behind { colours: [Vec3::ONE; 4], depths: [f32::INFINITY; 4] });
+        behind.resize(
+            width * height,
+            Behind { colours: [Vec3::ONE; 4], depths: [f32::INFINITY; 4], body: false },
+        );
         let layers = Layers { scenery: &scenery, width, faces: &faces, balls: &balls };
         let sorted = (triangles::sorted(&faces, FINER * height), splat::sorted(&balls, height));
         let bands = fluid.par_chunks_mut(BAND * width).zip(behind.par_chunks_mut(BAND * width)).enumerate();
@@ -281,7 +292,9 @@ impl Painter {
             for (column, pixel) in line.iter_mut().enumerate() {
                 let at = row * width + column;
                 let colour = self.pixel(&light, [column, row], &table, frame.particle_radius as f32);
-                let colour = colour * (1.0 - 0.45 * hidden[at]);
+                // Not the ground: a dark rim around all that stands on it would be no shadow.
+                let lies_on = self.behind[at].body || self.fluid[at].depth < f32::INFINITY;
+                let colour = if lies_on { colour * (1.0 - 0.3 * hidden[at]) } else { colour };
                 *pixel = colour.to_array().map(|c| (255.0 * c.clamp(0.0, 1.0) + 0.5) as u8);
             }
         });
@@ -337,6 +350,7 @@ impl Painter {
             map: self.colour_map(),
             range: self.range,
             quantity,
+            backed: self.settings.camera.is_some(),
             title: format!("t = {:.3} s", frame.time),
             subtitle: format!(
                 "{} particles, step {}",
@@ -374,6 +388,7 @@ impl Layers<'_> {
                 let (colour, depth) = self.scenery.behind(at, solid, phase);
                 let pixel = &mut out[(row / FINER - band * BAND) * self.width + column / FINER];
                 (pixel.colours[phase], pixel.depths[phase]) = (colour, depth);
+                pixel.body = (pixel.body && phase > 0) || depth == solid.depth && depth < f32::INFINITY;
             }
         }
     }

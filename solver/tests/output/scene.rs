@@ -56,7 +56,7 @@ impl Scene {
             if p.y < top - radius && out_of_duck {
                 let crest = (top - 0.42).max(0.0);
                 add(p, DVec3::new(4.5 * crest * (p.y / top), 0.8 * crest, 0.0), top - p.y);
-            } else if p.y < top + 0.25 && top > 0.8 && n % 61 == 0 {
+            } else if p.y < top + 0.3 && top > 0.75 && noise() > 0.485 {
                 // Spray over the crest.
                 add(p + DVec3::new(0.2, 0.1, 0.0), DVec3::new(3.5, 1.0, 0.0), 0.0);
             }
@@ -117,7 +117,7 @@ pub fn world() -> World {
     let prop = |name: &str, mesh: &TriangleMesh, container| Prop {
         name: name.to_owned(),
         model: Model::new(mesh),
-        pose: Pose::default(),
+        pose: if container { Pose::default() } else { duck_pose(0.0) },
         container,
         colour: None,
     };

@@ -6,8 +6,9 @@ use super::view::View;
 use glam::Vec3;
 use volmap_baker::picture::ColourMap;
 use volmap_baker::picture::canvas::Canvas;
-use volmap_baker::picture::colours::INK;
+use volmap_baker::picture::colours::{INK, WHITE};
 use volmap_baker::picture::drawing::{Anchor, Drawing, Paint, Pen, Rect};
+use volmap_baker::picture::font;
 use volmap_baker::picture::scale::Scale;
 use volmap_runtime::Pose;
 
@@ -19,6 +20,8 @@ pub struct Legend<'a> {
     pub range: [f64; 2],
     /// Name and unit.
     pub quantity: (&'a str, &'a str),
+    /// Whether something may be below it, which is made lighter.
+    pub backed: bool,
     /// Upper left corner.
     pub title: String,
     /// Below it.
@@ -29,6 +32,13 @@ pub struct Legend<'a> {
 pub fn draw(canvas: &mut Canvas, size: [f64; 2], legend: &Legend) {
     let text = (0.028 * size[1]).max(9.0);
     let mut drawing = Drawing::default();
+    let widest = font::width(&legend.title, 1.35 * text).max(font::width(&legend.subtitle, 0.85 * text));
+    let lighten = |drawing: &mut Drawing, rect: Rect| {
+        if legend.backed {
+            lighten(drawing, rect)
+        }
+    };
+    lighten(&mut drawing, Rect { x: 0.0, y: 0.0, width: widest + 2.4 * text, height: 4.6 * text });
     drawing.label([1.2 * text, 2.2 * text], 1.35 * text, Anchor::Start, &legend.title);
     drawing.label([1.2 * text, 3.75 * text], 0.85 * text, Anchor::Start, &legend.subtitle);
     let length = (0.26 * size[0]).round();
@@ -38,6 +48,9 @@ pub fn draw(canvas: &mut Canvas, size: [f64; 2], legend: &Legend) {
         width: length,
         height: (0.6 * text).round(),
     };
+    let margin = Rect { x: rect.x - 1.6 * text, y: rect.y - 2.0 * text, width: size[0], height: size[1] };
+    lighten(&mut drawing, margin);
+    canvas.draw(&std::mem::take(&mut drawing));
     let count = rect.width as usize;
     canvas.image([rect.x, rect.y], [count, rect.height as usize], |across, _| {
         legend.map.at((across as f64 + 0.5) / count as f64)
@@ -54,6 +67,11 @@ pub fn draw(canvas: &mut Canvas, size: [f64; 2], legend: &Legend) {
     let above = [rect.at(0.5, 1.0)[0], rect.y - 0.5 * text];
     drawing.label(above, 0.85 * text, Anchor::Middle, &scale.title(name, unit));
     canvas.draw(&drawing);
+}
+
+/// Makes what is below letters lighter.
+fn lighten(drawing: &mut Drawing, rect: Rect) {
+    (0..3).for_each(|_| drawing.area(rect.corners(), Paint::Wash(WHITE)));
 }
 
 /// The edges of a container whose nearer side isn't drawn, as faint lines.

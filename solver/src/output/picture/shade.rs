@@ -9,7 +9,7 @@ use super::view::View;
 use glam::Vec3;
 
 /// Above and below the horizon.
-const SKY: [Vec3; 2] = [Vec3::new(0.90, 0.93, 0.97), Vec3::new(0.985, 0.988, 0.992)];
+const SKY: [Vec3; 2] = [Vec3::new(0.925, 0.945, 0.97), Vec3::new(0.985, 0.988, 0.992)];
 const GROUND: Vec3 = Vec3::new(0.955, 0.955, 0.95);
 /// What the fluid mirrors.
 const MIRRORED: Vec3 = Vec3::new(0.94, 0.97, 1.0);
@@ -54,7 +54,7 @@ impl Scenery<'_> {
         let lit = normal.dot(self.light.direction).max(0.0);
         let lit = if lit > 0.0 { lit * self.shadow.light_at(point, phase) } else { 0.0 };
         let colour = self.colours.get(solid.material as usize).copied().unwrap_or(GROUND);
-        let brightness = 0.50 + 0.14 * normal.dot(self.light.up) + 0.46 * lit;
+        let brightness = 0.67 + 0.10 * normal.dot(self.light.up) + 0.34 * lit;
         let gloss = 0.16 * lit.min(1.0) * self.light.gloss(normal, ray, 5);
         (colour * brightness + gloss, solid.depth)
     }
@@ -135,7 +135,7 @@ impl Light {
 /// Part of the light that comes through so much fluid, in particle radii: thin films stay visible, bodies shine through
 /// shallow water.
 pub fn transmittance(thickness: f32) -> f32 {
-    0.55 * falling(thickness / 1.2) + 0.45 * falling(thickness / 14.0)
+    0.72 * falling(thickness) + 0.28 * falling(thickness / 14.0)
 }
 
 /// About exp(-x): 1 / (1 + x/16)^16.

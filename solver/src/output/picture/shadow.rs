@@ -14,7 +14,7 @@ use volmap_runtime::{DVec3, Pose};
 /// Pixels of the light's picture along each side.
 const SIZE: usize = 1024;
 /// Pixels between two looks into it.
-const SPACING: f32 = 1.6;
+const SPACING: f32 = 2.6;
 
 /// What the light sees.
 pub struct Shadow {
