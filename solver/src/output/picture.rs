@@ -139,7 +139,7 @@ struct Behind {
 
 /// Samples along each side of a pixel.
 const FINER: usize = 2;
-const CONTAINER: [u8; 3] = [234, 238, 243];
+const CONTAINER: [u8; 3] = [248, 250, 252];
 /// Colours of bodies, none of them that of water.
 const PALETTE: [[u8; 3]; 6] =
     [[246, 190, 50], [213, 94, 0], [0, 158, 115], [204, 121, 167], [160, 160, 165], [150, 105, 70]];
@@ -381,16 +381,33 @@ impl Layers<'_> {
             if rows > 0 {
                 sorted.of(fine_band).for_each(|face| self.faces[face].draw(fine_band, fine, &mut solid));
             }
-            for (n, &solid) in solid.iter().enumerate() {
-                let (column, row) = (n % fine.size[0], first + n / fine.size[0]);
-                let phase = column % FINER + FINER * (row % FINER);
-                let at = [column as f32 + 0.5, row as f32 + 0.5];
-                let (colour, depth) = self.scenery.behind(at, solid, phase);
-                let pixel = &mut out[(row / FINER - band * BAND) * self.width + column / FINER];
-                (pixel.colours[phase], pixel.depths[phase]) = (colour, depth);
-                pixel.body = (pixel.body && phase > 0) || depth == solid.depth && depth < f32::INFINITY;
+            let above = (fine_band * BAND / FINER - band * BAND) * self.width;
+            for (n, pixel) in out.iter_mut().skip(above).take(solid.len() / (FINER * FINER)).enumerate() {
+                let (column, row) = (FINER * (n % self.width), FINER * (n / self.width));
+                let places = [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[x, y]| [column + x, row + y]);
+                let samples = places.map(|[x, y]| solid[y * fine.size[0] + x]);
+                *pixel = self.lit(places.map(|[x, y]| [x, first + y]), samples);
             }
         }
+    }
+
+    /// Light on the samples of a pixel: once, if they are alike.
+    fn lit(&self, places: [[usize; 2]; 4], samples: [Solid; 4]) -> Behind {
+        let middle = |[x, y]: [usize; 2]| [x as f32 + 0.5, y as f32 + 0.5];
+        let body = samples.iter().any(|sample| sample.depth < f32::INFINITY);
+        if samples.iter().all(|sample| sample.material == samples[0].material) {
+            let mean = Solid {
+                depth: 0.25 * samples.iter().map(|sample| sample.depth).sum::<f32>(),
+                normal: samples.iter().map(|sample| sample.normal).sum(),
+                ..samples[0]
+            };
+            let (colour, depth) = self.scenery.behind(places[3].map(|n| n as f32), mean, None);
+            let depths = if body { samples.map(|sample| sample.depth) } else { [depth; 4] };
+            return Behind { colours: [colour; 4], depths, body };
+        }
+        let lit = |n: usize| self.scenery.behind(middle(places[n]), samples[n], Some(n));
+        let lit = [lit(0), lit(1), lit(2), lit(3)];
+        Behind { colours: lit.map(|l| l.0), depths: lit.map(|l| l.1), body }
     }
 }
 

@@ -40,8 +40,9 @@ pub struct Scenery<'a> {
 }
 
 impl Scenery<'_> {
-    /// Colour and depth of the surface or ground at a place of the picture.
-    pub fn behind(&self, at: [f32; 2], solid: Solid, phase: usize) -> (Vec3, f32) {
+    /// Colour and depth of the surface or ground at a place of the picture: of one of the pixel's four samples, or of
+    /// the whole pixel.
+    pub fn behind(&self, at: [f32; 2], solid: Solid, phase: Option<usize>) -> (Vec3, f32) {
         let ray = self.light.view.ray(at);
         let height = at[1] / self.light.view.size[1] as f32;
         let sky = SKY[0].lerp(SKY[1], (1.6 * height).min(1.0));
@@ -52,11 +53,18 @@ impl Scenery<'_> {
         let point = self.light.view.origin + solid.depth * ray;
         let normal = solid.normal.try_normalize().unwrap_or(self.light.up);
         let lit = normal.dot(self.light.direction).max(0.0);
-        let lit = if lit > 0.0 { lit * self.shadow.light_at(point, phase) } else { 0.0 };
+        let lit = if lit > 0.0 { lit * self.light_at(point, phase) } else { 0.0 };
         let colour = self.colours.get(solid.material as usize).copied().unwrap_or(GROUND);
         let brightness = 0.67 + 0.10 * normal.dot(self.light.up) + 0.34 * lit;
         let gloss = 0.16 * lit.min(1.0) * self.light.gloss(normal, ray, 5);
         (colour * brightness + gloss, solid.depth)
+    }
+
+    fn light_at(&self, point: Vec3, phase: Option<usize>) -> f32 {
+        match phase {
+            Some(phase) => self.shadow.light_at(point, phase),
+            None => self.shadow.mean_light_at(point),
+        }
     }
 
     fn ground_depth(&self, ray: Vec3) -> f32 {
@@ -64,7 +72,7 @@ impl Scenery<'_> {
         if fall < 0.0 && above > 0.0 { -above / fall } else { f32::INFINITY }
     }
 
-    fn ground(&self, ray: Vec3, depth: f32, sky: Vec3, phase: usize) -> Vec3 {
+    fn ground(&self, ray: Vec3, depth: f32, sky: Vec3, phase: Option<usize>) -> Vec3 {
         let (centre, size) = self.shown;
         let point = self.light.view.origin + depth * ray;
         let far = (point - centre).length() / (1.5 * size);
@@ -72,7 +80,7 @@ impl Scenery<'_> {
         if !(far < 1.0) {
             return sky;
         }
-        let light = self.shadow.light_at(point, phase);
+        let light = self.light_at(point, phase);
         sky.lerp(GROUND * (0.66 + 0.34 * light), (1.0 - far * far) * (1.0 - far * far))
     }
 }
@@ -112,6 +120,8 @@ impl Light {
                 return None;
             }
             match (before, after) {
+                // Alike: their mean, which is smoother.
+                (Some([c, r]), Some([d, s])) if a.max(b) < 4.0 * a.min(b) => Some(place(d, s) - place(c, r)),
                 (Some([c, r]), _) if a <= b => Some(centre - place(c, r)),
                 (_, Some([c, r])) => Some(place(c, r) - centre),
                 _ => None,

@@ -20,6 +20,8 @@ const SPACING: f32 = 2.6;
 pub struct Shadow {
     view: View,
     depth: Vec<f32>,
+    /// Rows and columns with something in them, first and last.
+    occupied: [[f32; 2]; 2],
     /// Surfaces this close behind what the light sees are lit, metres.
     bias: f32,
 }
@@ -57,14 +59,40 @@ pub fn cast(
             ball.cover(band, view.size, |at, _| depth[at] = depth[at].min(ball.depth));
         }
     });
-    Shadow { view, depth, bias: 0.004 * size + radius }
+    let occupied = occupied(&depth);
+    Shadow { view, depth, occupied, bias: 0.004 * size + radius }
+}
+
+fn occupied(depth: &[f32]) -> [[f32; 2]; 2] {
+    let mut found = [[f32::INFINITY, f32::NEG_INFINITY]; 2];
+    for (row, line) in depth.chunks(SIZE).enumerate() {
+        let there = |depth: &f32| *depth < f32::INFINITY;
+        if let (Some(first), Some(last)) = (line.iter().position(there), line.iter().rposition(there)) {
+            found[0] = [found[0][0].min(row as f32), row as f32 + 1.0];
+            found[1] = [found[1][0].min(first as f32), found[1][1].max(last as f32 + 1.0)];
+        }
+    }
+    found
 }
 
 impl Shadow {
+    /// How much of the light reaches a point, by all four phases where the first is in doubt.
+    pub fn mean_light_at(&self, point: Vec3) -> f32 {
+        let first = self.light_at(point, 0);
+        if first == 0.0 || first == 1.0 {
+            return first;
+        }
+        0.25 * (first + (1..4).map(|phase| self.light_at(point, phase)).sum::<f32>())
+    }
+
     /// How much of the light reaches a point, 0 to 1. The four `phase`s of a pixel look at different places.
     pub fn light_at(&self, point: Vec3, phase: usize) -> f32 {
         let local = self.view.local(point);
         let [x, y] = self.view.pixel(local);
+        let far = |at: f32, [low, high]: [f32; 2]| at < low - 3.0 * SPACING || at > high + 3.0 * SPACING;
+        if far(y, self.occupied[0]) || far(x, self.occupied[1]) {
+            return 1.0;
+        }
         let (dx, dy) = ((phase & 1) as f32, (phase >> 1) as f32);
         let mut lit = 0;
         for (i, j) in (0..9).map(|n| (n % 3, n / 3)) {

@@ -99,8 +99,10 @@ impl Splat {
 
 /// Pixels whose middles are within `radius` of a place, of a range.
 fn pixels(at: f32, radius: f32, range: Range<usize>) -> Range<usize> {
-    let first = (at - radius - 0.5).ceil().max(range.start as f32) as usize;
-    let end = ((at + radius + 0.5).floor().max(0.0) as usize).min(range.end);
+    // Casts cut off, and end at the limits of the type; the system's `ceil` and `floor` are calls.
+    let low = (at - radius - 0.5).max(range.start as f32);
+    let first = low as usize + usize::from((low as usize as f32) < low);
+    let end = ((at + radius + 0.5).max(0.0) as usize).min(range.end);
     first..end
 }
 
