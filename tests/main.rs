@@ -19,3 +19,5 @@ mod interop_meshes;
 mod interop_page;
 #[cfg(feature = "interop")]
 mod interop_report;
+#[cfg(feature = "interop")]
+mod interop_simulation;

@@ -5,16 +5,17 @@
 //! PixelLattice -> Raster, Contour (marching squares, mesh section) -> Panel -> Figure -> PNG
 //!                                                            series -> Chart  -> SVG or PNG
 //! ```
-//! Guaranteed: the bytes of a picture depend on its content alone, not on processor, threads or time.
+//! [`animation`] strings pictures together (APNG). Guaranteed: the bytes of a picture depend on its content alone, not on processor, threads or time.
 
+pub mod animation;
 mod bar;
-mod canvas;
+pub mod canvas;
 pub mod chart;
 pub mod colours;
 pub mod contour;
-mod drawing;
+pub mod drawing;
 pub mod figure;
-mod font;
+pub mod font;
 mod frame;
 pub mod lattice;
 mod legend;

@@ -18,6 +18,8 @@ mod write;
 
 pub use density::DensityField;
 pub use error::AssetError;
+#[cfg(feature = "write")]
+pub use publish::NewFile;
 pub use rounded::{Rounded, RoundingError};
 pub use schema::{FORMAT_NAME, FORMAT_VERSION, MAX_CELLS_PER_AXIS, MAX_ROWS};
 pub use tree::{Array, Attributes, Dataset, Tree, Value};

@@ -3,11 +3,13 @@
 //! - [`vtkhdf`]: an unstructured grid of curved cells, for ParaView and VTK;
 //! - [`vti`]: an image of equally spaced points, for whatever reads VTK's XML;
 //! - [`ply`]: a triangle mesh;
+//! - [`points`]: particles with values, as VTU, PLY or BGEO;
 //! - [`cdm`]: Discregrid's dump, the map of SPlisHSPlasH; read, too.
 
 pub mod cdm;
 mod error;
 pub mod ply;
+pub mod points;
 pub mod vti;
 pub mod vtkhdf;
 

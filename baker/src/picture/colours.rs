@@ -36,6 +36,8 @@ pub enum ColourMap {
     Cividis,
     /// White to dark red, as the paper's Fig. 6b: for the size of errors.
     Reds,
+    /// Deep blue to the white of foam: for the speed of water.
+    Water,
     /// Blue (negative), white (zero), red (positive): for signed numbers, in limits that are balanced about
     /// zero.
     BlueRed,
@@ -49,6 +51,7 @@ impl ColourMap {
             ColourMap::Viridis => colorous::VIRIDIS.eval_continuous(place),
             ColourMap::Cividis => colorous::CIVIDIS.eval_continuous(place),
             ColourMap::Reds => colorous::REDS.eval_continuous(place),
+            ColourMap::Water => colorous::BLUES.eval_continuous(0.95 - 0.9 * place),
             ColourMap::BlueRed => colorous::RED_BLUE.eval_continuous(1.0 - place),
         };
         [colour.r, colour.g, colour.b]
@@ -88,6 +91,8 @@ mod tests {
                 "{map:?} {steps:?}"
             );
         }
+        let water = steps(ColourMap::Water);
+        assert!(water.windows(2).all(|w| w[1] > w[0]) && water[0] < 35.0 && water[64] > 90.0, "{water:?}");
         let reds = steps(ColourMap::Reds);
         assert!(reds.windows(2).all(|w| w[1] < w[0] + 0.2) && reds[0] > 95.0, "{reds:?}");
     }

@@ -5,76 +5,110 @@ use super::colours::Rgb;
 /// Shapes, from the lowest up.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Drawing {
+    /// From the lowest up.
     pub shapes: Vec<Shape>,
 }
 
+/// A shape.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
     /// A filled polygon.
-    Area { points: Vec<[f64; 2]>, paint: Paint },
+    Area {
+        /// Its corners.
+        points: Vec<[f64; 2]>,
+        /// What fills it.
+        paint: Paint,
+    },
     /// A curve.
-    Stroke { points: Vec<[f64; 2]>, pen: Pen },
+    Stroke {
+        /// Along it.
+        points: Vec<[f64; 2]>,
+        /// What draws it.
+        pen: Pen,
+    },
     /// A line of text.
     Text(Text),
 }
 
+/// What draws a curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pen {
+    /// Its colour.
     pub paint: Paint,
+    /// Pixels.
     pub width: f64,
+    /// In dashes.
     pub dashed: bool,
     /// A white edge, so that it shows on every colour.
     pub cased: bool,
 }
 
+/// A colour, or what a page chooses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Paint {
     /// Letters and axes: dark on a white page, light on a dark one.
     Ink,
     /// Lines of the grid.
     Faint,
+    /// This one.
     Colour(Rgb),
     /// A quarter of the colour over what is below.
     Wash(Rgb),
 }
 
+/// A line of text.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Text {
     /// On the base line: its start, middle or end.
     pub at: [f64; 2],
+    /// Height of the font, pixels.
     pub size: f64,
+    /// Which part of it is there.
     pub anchor: Anchor,
+    /// Its colour.
     pub paint: Paint,
     /// Upwards.
     pub turned: bool,
+    /// What it says.
     pub text: String,
 }
 
+/// Part of a line of text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Anchor {
+    /// Its first letter.
     Start,
+    /// Its middle.
     Middle,
+    /// Its last letter.
     End,
 }
 
-/// Left, top, width, height.
+/// A rectangle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Rect {
+    /// Left.
     pub x: f64,
+    /// Top.
     pub y: f64,
+    /// To the right.
     pub width: f64,
+    /// Down.
     pub height: f64,
 }
 
 impl Rect {
+    /// Right side.
     pub fn right(&self) -> f64 {
         self.x + self.width
     }
 
+    /// Lower side.
     pub fn bottom(&self) -> f64 {
         self.y + self.height
     }
 
+    /// Whether a place is in it.
     pub fn holds(&self, [x, y]: [f64; 2]) -> bool {
         (self.x..=self.right()).contains(&x) && (self.y..=self.bottom()).contains(&y)
     }
@@ -84,22 +118,26 @@ impl Rect {
         [self.x + across * self.width, self.bottom() - up * self.height]
     }
 
+    /// From the lower left, against the clock.
     pub fn corners(&self) -> Vec<[f64; 2]> {
         vec![self.at(0.0, 0.0), self.at(1.0, 0.0), self.at(1.0, 1.0), self.at(0.0, 1.0)]
     }
 }
 
 impl Pen {
+    /// A plain pen.
     pub fn new(paint: Paint, width: f64) -> Pen {
         Pen { paint, width, dashed: false, cased: false }
     }
 }
 
 impl Drawing {
+    /// A filled polygon.
     pub fn area(&mut self, points: Vec<[f64; 2]>, paint: Paint) {
         self.shapes.push(Shape::Area { points, paint });
     }
 
+    /// A curve.
     pub fn stroke(&mut self, points: Vec<[f64; 2]>, pen: Pen) {
         self.shapes.push(Shape::Stroke { points, pen });
     }
@@ -113,6 +151,7 @@ impl Drawing {
         self.stroke(points, pen);
     }
 
+    /// A line of text.
     pub fn text(&mut self, text: Text) {
         self.shapes.push(Shape::Text(text));
     }

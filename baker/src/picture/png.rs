@@ -1,12 +1,12 @@
 //! PNG files (ISO/IEC 15948) of 8-bit RGB: the same bytes everywhere.
 
 use flate2::Crc;
-use flate2::{Compression, write::ZlibEncoder};
-use std::io::Write;
+use flate2::{Compression, read::ZlibDecoder, write::ZlibEncoder};
+use std::io::{Read, Write};
 
 /// Dots a metre: 300 an inch.
 const DENSITY: u32 = 11_811;
-const SIGNATURE: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
+pub(super) const SIGNATURE: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
 
 /// A PNG file of `width` x `height` pixels, red, green, blue, from the upper row down.
 ///
@@ -21,15 +21,55 @@ pub fn encode(width: u32, height: u32, rgb: &[u8]) -> Vec<u8> {
     header.extend([8, 2, 0, 0, 0]);
     chunk(&mut out, b"IHDR", &header);
     chunk(&mut out, b"pHYs", &[&DENSITY.to_be_bytes()[..], &DENSITY.to_be_bytes(), &[1]].concat());
+    chunk(&mut out, b"IDAT", &compressed(rgb, row));
+    chunk(&mut out, b"IEND", &[]);
+    out
+}
+
+/// Filtered and compressed rows of `row` bytes.
+pub(super) fn compressed(rgb: &[u8], row: usize) -> Vec<u8> {
     let mut encoder = ZlibEncoder::new(Vec::new(), Compression::new(6));
     let mut above = vec![0; row];
     for line in rgb.chunks(row.max(1)) {
         encoder.write_all(&filtered(line, &above)).expect("a vector takes all");
         above.copy_from_slice(line);
     }
-    chunk(&mut out, b"IDAT", &encoder.finish().expect("a vector takes all"));
-    chunk(&mut out, b"IEND", &[]);
-    out
+    encoder.finish().expect("a vector takes all")
+}
+
+/// The pixels of a file that [`encode`] made, if it is one, and its size.
+pub fn decode(file: &[u8]) -> Option<([u32; 2], Vec<u8>)> {
+    let [width, height] = size(file)?;
+    let row = 3usize.checked_mul(width as usize)?;
+    let mut rest = file.get(SIGNATURE.len()..)?;
+    let mut data = Vec::new();
+    while let Some((head, body)) = rest.split_first_chunk::<8>() {
+        let length = u32::from_be_bytes(*head.first_chunk()?) as usize;
+        match &head[4..] {
+            b"IHDR" if body.get(8..13)? != [8, 2, 0, 0, 0] => return None,
+            b"IDAT" => data.extend(body.get(..length)?),
+            _ => (),
+        }
+        rest = body.get(length.checked_add(4)?..)?;
+    }
+    // Zlib can't make more than about a thousandfold of its bytes.
+    let bytes = (row + 1).checked_mul(height as usize).filter(|&bytes| bytes / 1040 <= data.len())?;
+    let mut rows = vec![0; bytes];
+    ZlibDecoder::new(&data[..]).read_exact(&mut rows).ok()?;
+    let mut rgb: Vec<u8> = Vec::with_capacity(row * height as usize);
+    for line in rows.chunks(row + 1) {
+        for (at, &x) in line[1..].iter().enumerate() {
+            let from = |there: bool, back: usize| if there { rgb[rgb.len() - back] } else { 0 };
+            let predicted = match line[0] {
+                0 => 0,
+                1 => from(at >= 3, 3),
+                2 => from(rgb.len() >= row, row),
+                _ => return None,
+            };
+            rgb.push(x.wrapping_add(predicted));
+        }
+    }
+    Some(([width, height], rgb))
 }
 
 /// Width and height of a PNG file, if it is one.
@@ -41,7 +81,7 @@ pub fn size(file: &[u8]) -> Option<[u32; 2]> {
     Some([number(16)?, number(20)?])
 }
 
-fn chunk(out: &mut Vec<u8>, name: &[u8; 4], data: &[u8]) {
+pub(super) fn chunk(out: &mut Vec<u8>, name: &[u8; 4], data: &[u8]) {
     out.extend((data.len() as u32).to_be_bytes());
     let start = out.len();
     out.extend(name);
@@ -69,8 +109,6 @@ fn filtered(line: &[u8], above: &[u8]) -> Vec<u8> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use flate2::read::ZlibDecoder;
-    use std::io::Read;
 
     #[test]
     fn rows_come_back() {
@@ -94,6 +132,10 @@ mod tests {
             }
         }
         assert_eq!(back, rgb);
+        assert_eq!(decode(&file), Some(([7, 5], rgb)));
+        for length in 0..file.len() - 12 {
+            assert_eq!(decode(&file[..length]), None, "{length} bytes");
+        }
         assert_eq!(size(b"no picture at all, but long enough"), None);
         assert_eq!(size(&file[..18]), None);
     }

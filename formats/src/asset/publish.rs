@@ -4,8 +4,10 @@
 //! link gives it one when it is complete. Elsewhere, and on file systems without such files, it is a temporary file
 //! that is renamed.
 
+#[cfg(target_os = "linux")]
+use std::fs::File;
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
 /// Refuses a target that could not be made, or that stands for something else than a file: renaming onto a device
@@ -30,19 +32,70 @@ fn folder_of(target: &Path) -> &Path {
 
 /// Makes a file of these bytes, durably, in place of an older one.
 pub fn publish(bytes: &[u8], target: &Path) -> io::Result<()> {
-    check_target(target)?;
-    let folder = folder_of(target);
-    #[cfg(target_os = "linux")]
-    if let Some(mut file) = linux::nameless(folder) {
-        file.write_all(bytes)?;
-        file.sync_all()?;
-        return linux::link(&file, folder, target);
-    }
-    let mut file = named(folder)?;
+    let mut file = NewFile::create(target)?;
     file.write_all(bytes)?;
-    file.as_file().sync_all()?;
-    file.persist(target)?;
-    Ok(())
+    file.publish()
+}
+
+/// A file on its way: it gets its name when it is published, and is gone if it never is. Not buffered.
+pub struct NewFile {
+    target: PathBuf,
+    kind: Kind,
+}
+
+enum Kind {
+    #[cfg(target_os = "linux")]
+    Nameless(File),
+    Named(NamedTempFile),
+}
+
+impl NewFile {
+    /// Begins a file, in the folder of its target.
+    ///
+    /// # Errors
+    /// A target that could not be made, or that isn't a file.
+    pub fn create(target: &Path) -> io::Result<NewFile> {
+        check_target(target)?;
+        let folder = folder_of(target);
+        #[cfg(target_os = "linux")]
+        if let Some(file) = linux::nameless(folder) {
+            return Ok(NewFile { target: target.to_owned(), kind: Kind::Nameless(file) });
+        }
+        Ok(NewFile { target: target.to_owned(), kind: Kind::Named(named(folder)?) })
+    }
+
+    /// Gives it its name, durably, in place of an older file.
+    ///
+    /// # Errors
+    /// The system's.
+    pub fn publish(self) -> io::Result<()> {
+        match self.kind {
+            #[cfg(target_os = "linux")]
+            Kind::Nameless(file) => {
+                file.sync_all()?;
+                linux::link(&file, folder_of(&self.target), &self.target)
+            }
+            Kind::Named(file) => {
+                file.as_file().sync_all()?;
+                file.persist(&self.target)?;
+                Ok(())
+            }
+        }
+    }
+}
+
+impl Write for NewFile {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match &mut self.kind {
+            #[cfg(target_os = "linux")]
+            Kind::Nameless(file) => file.write(bytes),
+            Kind::Named(file) => file.write(bytes),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
 }
 
 fn named(folder: &Path) -> io::Result<NamedTempFile> {
@@ -104,6 +157,10 @@ mod tests {
             assert_eq!(mode(&target), mode(&plain));
         }
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2, "nothing else stays");
+        let mut unfinished = NewFile::create(&folder.path().join("never")).unwrap();
+        unfinished.write_all(b"half").unwrap();
+        drop(unfinished);
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2, "nothing of an unfinished one");
         assert!(publish(b"x", folder.path()).is_err());
         assert!(publish(b"x", &folder.path().join("missing/target")).is_err());
     }

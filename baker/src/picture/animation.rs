@@ -1,0 +1,163 @@
+//! Animated PNG files (third edition of the PNG standard, W3C 2025), written picture by picture: of each only the
+//! rectangle that changed. Programs that know nothing of animations show the first picture.
+
+use super::png::{SIGNATURE, chunk, compressed};
+use std::io::{self, Write};
+
+/// Pictures of one size, one after the other, without end.
+pub struct Animation<W> {
+    out: W,
+    size: [u32; 2],
+    /// Shown so long, as a fraction of seconds.
+    delay: [u16; 2],
+    announced: u32,
+    written: u32,
+    /// Number of the next chunk of the animation.
+    sequence: u32,
+    /// Pixels of the last picture.
+    last: Vec<u8>,
+}
+
+impl<W: Write> Animation<W> {
+    /// Begins an animation of `count` pictures, each shown for `delay[0] / delay[1]` seconds.
+    ///
+    /// # Errors
+    /// The system's.
+    pub fn new(mut out: W, size: [u32; 2], count: u32, delay: [u16; 2]) -> io::Result<Animation<W>> {
+        let mut bytes = SIGNATURE.to_vec();
+        let header = [&size[0].to_be_bytes()[..], &size[1].to_be_bytes(), &[8, 2, 0, 0, 0]].concat();
+        chunk(&mut bytes, b"IHDR", &header);
+        // Number of pictures, of repetitions (0: no end).
+        chunk(&mut bytes, b"acTL", &[count.to_be_bytes(), [0; 4]].concat());
+        out.write_all(&bytes)?;
+        Ok(Animation { out, size, delay, announced: count, written: 0, sequence: 0, last: Vec::new() })
+    }
+
+    /// Adds a picture: red, green, blue, from the upper row down.
+    ///
+    /// # Errors
+    /// Another size, or the system's.
+    pub fn add(&mut self, rgb: &[u8]) -> io::Result<()> {
+        let [width, height] = self.size.map(|n| n as usize);
+        if rgb.len() != 3 * width * height {
+            return Err(io::Error::new(io::ErrorKind::InvalidInput, "pictures of different sizes"));
+        }
+        let first = self.written == 0;
+        let [left, top, across, down] =
+            if first { [0, 0, width, height] } else { changed(&self.last, rgb, width) };
+        let mut bytes = Vec::new();
+        let numbers = [self.next(), across as u32, down as u32, left as u32, top as u32];
+        let mut control: Vec<u8> = numbers.iter().flat_map(|n| n.to_be_bytes()).collect();
+        control.extend(self.delay.iter().flat_map(|n| n.to_be_bytes()));
+        // Left as it is afterwards; the new pixels take the place of the old ones.
+        control.extend([0, 0]);
+        chunk(&mut bytes, b"fcTL", &control);
+        let rows = rgb.chunks(3 * width).skip(top).take(down);
+        let part: Vec<u8> = rows.flat_map(|row| &row[3 * left..3 * (left + across)]).copied().collect();
+        let data = compressed(&part, 3 * across);
+        if first {
+            chunk(&mut bytes, b"IDAT", &data);
+        } else {
+            chunk(&mut bytes, b"fdAT", &[&self.next().to_be_bytes()[..], &data].concat());
+        }
+        self.written += 1;
+        rgb.clone_into(&mut self.last);
+        self.out.write_all(&bytes)
+    }
+
+    /// Ends the file.
+    ///
+    /// # Errors
+    /// Another number of pictures than announced, or the system's.
+    pub fn finish(mut self) -> io::Result<W> {
+        if self.written != self.announced {
+            let reason = format!("{} pictures, but {} announced", self.written, self.announced);
+            return Err(io::Error::new(io::ErrorKind::InvalidInput, reason));
+        }
+        let mut bytes = Vec::new();
+        chunk(&mut bytes, b"IEND", &[]);
+        self.out.write_all(&bytes)?;
+        Ok(self.out)
+    }
+
+    fn next(&mut self) -> u32 {
+        self.sequence += 1;
+        self.sequence - 1
+    }
+}
+
+/// The rectangle in which two pictures differ, of at least one pixel: left, top, width, height.
+fn changed(a: &[u8], b: &[u8], width: usize) -> [usize; 4] {
+    let (mut low, mut high) = ([usize::MAX; 2], [0; 2]);
+    for (row, (a, b)) in a.chunks(3 * width).zip(b.chunks(3 * width)).enumerate() {
+        let differs = |at: &usize| a[*at] != b[*at];
+        if let (Some(first), Some(last)) = ((0..a.len()).find(differs), (0..a.len()).rfind(differs)) {
+            low = [low[0].min(first / 3), low[1].min(row)];
+            high = [high[0].max(last / 3 + 1), row + 1];
+        }
+    }
+    match low[0] == usize::MAX {
+        true => [0, 0, 1, 1],
+        false => [low[0], low[1], high[0] - low[0], high[1] - low[1]],
+    }
+}
+
+/// Means of squares of `times` x `times` pixels; what is left over at the right and below is cut off.
+pub fn smaller([width, height]: [u32; 2], rgb: &[u8], times: u32) -> ([u32; 2], Vec<u8>) {
+    let times = times.clamp(1, width.min(height).max(1));
+    let (size, n) = ([width / times, height / times], times as usize);
+    let mut out = Vec::with_capacity(3 * (size[0] * size[1]) as usize);
+    for row in 0..size[1] as usize {
+        for column in 0..size[0] as usize {
+            for colour in 0..3 {
+                let at = |i: usize, j: usize| {
+                    u32::from(rgb[3 * ((n * row + j) * width as usize + n * column + i) + colour])
+                };
+                let sum: u32 = (0..n * n).map(|k| at(k % n, k / n)).sum();
+                out.push(((sum + times * times / 2) / (times * times)) as u8);
+            }
+        }
+    }
+    (size, out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_what_changed_is_written() {
+        let mut picture = vec![10u8; 3 * 8 * 6];
+        let mut animation = Animation::new(Vec::new(), [8, 6], 3, [1, 25]).unwrap();
+        animation.add(&picture).unwrap();
+        picture[3 * (2 * 8 + 3)] = 99;
+        picture[3 * (4 * 8 + 5) + 2] = 99;
+        animation.add(&picture).unwrap();
+        animation.add(&picture).unwrap();
+        assert!(animation.add(&picture[1..]).is_err());
+        let file = animation.finish().unwrap();
+        let controls: Vec<&[u8]> = file
+            .windows(4)
+            .enumerate()
+            .filter(|(_, w)| w == b"fcTL")
+            .map(|(at, _)| &file[at + 4..][..26])
+            .collect();
+        let numbers = |control: &[u8]| -> Vec<u32> {
+            control[..20].as_chunks().0.iter().map(|&n| u32::from_be_bytes(n)).collect()
+        };
+        assert_eq!(numbers(controls[0]), [0, 8, 6, 0, 0]);
+        assert_eq!(numbers(controls[1]), [1, 3, 3, 3, 2]);
+        assert_eq!(numbers(controls[2]), [3, 1, 1, 0, 0], "nothing changed");
+        let short = Animation::new(Vec::new(), [8, 6], 1, [1, 25]).unwrap();
+        assert!(short.finish().is_err());
+    }
+
+    #[test]
+    fn smaller_pictures_are_means() {
+        let rgb: Vec<u8> = (0..3 * 5 * 4).map(|n| n as u8).collect();
+        let (size, out) = smaller([5, 4], &rgb, 2);
+        assert_eq!((size, out.len()), ([2, 2], 12));
+        assert_eq!(out[0], ((0 + 3 + 15 + 18 + 2) / 4) as u8);
+        assert_eq!(smaller([5, 4], &rgb, 1), ([5, 4], rgb));
+    }
+}

@@ -1,0 +1,61 @@
+//! Particles as binary PLY, one vertex each. Turk 1994, *The PLY Polygon File Format*.
+//!
+//! The vector `velocity` becomes the properties `vx`, `vy`, `vz`; other vectors `name_x` and so on.
+
+use super::{Points, Values};
+use crate::export::{ExportError, publish_to};
+use std::path::Path;
+
+/// Writes particles.
+///
+/// # Errors
+/// Lists of different lengths, or a file that can't be written.
+pub fn write(path: &Path, points: &Points) -> Result<(), ExportError> {
+    points.check(usize::MAX).map_err(|error| ExportError::Io(error).in_file(path))?;
+    publish_to(path, &to_bytes(points))
+}
+
+fn to_bytes(points: &Points) -> Vec<u8> {
+    let count = points.positions.len();
+    let mut header = format!("ply\nformat binary_little_endian 1.0\nelement vertex {count}\n");
+    let mut property = |kind: &str, name: &str| header += &format!("property {kind} {name}\n");
+    ["x", "y", "z"].iter().for_each(|name| property("float", name));
+    for (name, values) in &points.arrays {
+        match values {
+            Values::F32(_) => property("float", name),
+            Values::U32(_) => property("uint", name),
+            Values::Vector(_) if *name == "velocity" => {
+                ["vx", "vy", "vz"].iter().for_each(|n| property("float", n))
+            }
+            Values::Vector(_) => {
+                ["x", "y", "z"].iter().for_each(|c| property("float", &format!("{name}_{c}")))
+            }
+        }
+    }
+    header += "end_header\n";
+    let mut bytes = Vec::with_capacity(header.len() + count * points.point_bytes());
+    bytes.extend(header.as_bytes());
+    for point in 0..count {
+        bytes.extend(points.all().flat_map(|values| values.words(point)).flat_map(u32::to_le_bytes));
+    }
+    bytes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::with_sample;
+    use super::*;
+
+    #[test]
+    fn points_follow_the_header() {
+        let bytes = with_sample(to_bytes);
+        let end = bytes.windows(11).position(|w| w == b"end_header\n").unwrap() + 11;
+        let header = std::str::from_utf8(&bytes[..end]).unwrap();
+        assert!(header.contains("element vertex 50\nproperty float x\n"), "{header}");
+        assert!(header.ends_with("float vx\nproperty float vy\nproperty float vz\nproperty float density\nproperty uint id\nend_header\n"));
+        assert_eq!(bytes.len() - end, 50 * 4 * 8);
+        let word = |n: usize| <[u8; 4]>::try_from(&bytes[end + 4 * n..][..4]).unwrap();
+        assert_eq!(f32::from_le_bytes(word(3 * 8 + 4)), 3.0, "velocity of point 3 along y");
+        assert_eq!(u32::from_le_bytes(word(3 * 8 + 7)), 46, "its id");
+    }
+}

@@ -1,0 +1,125 @@
+//! Particles as VTK's XML UnstructuredGrid (`.vtu`), one vertex cell each; appended raw data, compressed by zlib in
+//! blocks. *VTK File Formats*, Kitware.
+
+use super::{Points, Values};
+use crate::export::{ExportError, publish_to};
+use flate2::{Compression, write::ZlibEncoder};
+use rayon::prelude::*;
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::path::Path;
+
+/// VTK_VERTEX.
+const VERTEX: u8 = 1;
+/// Bytes of a block, which is compressed by itself.
+const BLOCK: usize = 1 << 18;
+/// Numbers like these shrink little, so the fastest level.
+const LEVEL: u32 = 1;
+
+/// Writes particles.
+///
+/// # Errors
+/// Lists of different lengths, more than 2^32 - 1 points, or a file that can't be written.
+pub fn write(path: &Path, points: &Points) -> Result<(), ExportError> {
+    let bytes = points.check(u32::MAX as usize).and_then(|()| to_bytes(points));
+    publish_to(path, &bytes.map_err(|error| ExportError::Io(error).in_file(path))?)
+}
+
+fn to_bytes(points: &Points) -> std::io::Result<Vec<u8>> {
+    let count = points.positions.len();
+    let mut file = Parts {
+        header: format!(
+            "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" \
+             header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">\n<UnstructuredGrid>\n\
+             <Piece NumberOfPoints=\"{count}\" NumberOfCells=\"{count}\">\n"
+        ),
+        data: Vec::new(),
+    };
+    file.header += "<PointData>\n";
+    for &(name, values) in &points.arrays {
+        file.values(name, values)?;
+    }
+    file.header += "</PointData>\n<Points>\n";
+    file.values("Points", Values::Vector(points.positions))?;
+    file.header += "</Points>\n<Cells>\n";
+    let numbers =
+        |first: u32| (0..count as u32).flat_map(move |n| (n + first).to_le_bytes()).collect::<Vec<u8>>();
+    file.array("UInt32", "connectivity", 1, &numbers(0))?;
+    file.array("UInt32", "offsets", 1, &numbers(1))?;
+    file.array("UInt8", "types", 1, &vec![VERTEX; count])?;
+    file.header += "</Cells>\n</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_";
+    let mut bytes = file.header.into_bytes();
+    bytes.extend(file.data);
+    bytes.extend(b"\n</AppendedData>\n</VTKFile>\n");
+    Ok(bytes)
+}
+
+/// The text and what is appended to it.
+struct Parts {
+    header: String,
+    data: Vec<u8>,
+}
+
+impl Parts {
+    fn values(&mut self, name: &str, values: Values) -> std::io::Result<()> {
+        let kind = if matches!(values, Values::U32(_)) { "UInt32" } else { "Float32" };
+        let words = (0..values.count()).flat_map(|point| values.words(point));
+        self.array(kind, name, values.components(), &words.flat_map(u32::to_le_bytes).collect::<Vec<u8>>())
+    }
+
+    fn array(&mut self, kind: &str, name: &str, components: usize, bytes: &[u8]) -> std::io::Result<()> {
+        let offset = self.data.len();
+        _ = writeln!(
+            self.header,
+            "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"appended\" \
+             offset=\"{offset}\"/>"
+        );
+        let blocks: Vec<Vec<u8>> = bytes.par_chunks(BLOCK).map(deflate).collect::<std::io::Result<_>>()?;
+        // Blocks, bytes of a whole one, bytes of the last one if it isn't whole; then the compressed bytes of each.
+        let sizes = [blocks.len(), BLOCK, bytes.len() % BLOCK];
+        let lengths = sizes.into_iter().chain(blocks.iter().map(Vec::len));
+        self.data.extend(lengths.flat_map(|length| (length as u64).to_le_bytes()));
+        self.data.extend(blocks.concat());
+        Ok(())
+    }
+}
+
+fn deflate(block: &[u8]) -> std::io::Result<Vec<u8>> {
+    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::new(LEVEL));
+    encoder.write_all(block)?;
+    encoder.finish()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::with_sample;
+    use super::*;
+
+    #[test]
+    fn arrays_begin_where_the_header_says() {
+        let bytes = with_sample(|points| to_bytes(points)).unwrap();
+        let start = bytes.windows(6).position(|w| w == b"raw\">\n").unwrap() + 7;
+        let header = String::from_utf8_lossy(&bytes[..start]);
+        let at = header.split_once("Name=\"density\"").unwrap().1.split_once("offset=\"").unwrap().1;
+        let offset: usize = at.split_once('"').unwrap().0.parse().unwrap();
+        let number =
+            |n: usize| u64::from_le_bytes(bytes[start + offset + 8 * n..][..8].try_into().unwrap()) as usize;
+        assert_eq!([number(0), number(1), number(2)], [1, BLOCK, 200]);
+        let mut back = Vec::new();
+        let block = &bytes[start + offset + 32..][..number(3)];
+        std::io::Read::read_to_end(&mut flate2::read::ZlibDecoder::new(block), &mut back).unwrap();
+        assert_eq!(f32::from_le_bytes(back[4..8].try_into().unwrap()), 1.0 + 1e-4);
+    }
+
+    #[test]
+    fn whole_blocks_leave_no_part() {
+        let density = vec![1.0f32; 2 * BLOCK / 4];
+        let positions = vec![[0.0; 3]; density.len()];
+        let points = Points { positions: &positions, arrays: vec![("density", Values::F32(&density))] };
+        let bytes = to_bytes(&points).unwrap();
+        let start = bytes.windows(6).position(|w| w == b"raw\">\n").unwrap() + 7;
+        let number = |n: usize| u64::from_le_bytes(bytes[start + 8 * n..][..8].try_into().unwrap()) as usize;
+        assert_eq!([number(0), number(1), number(2)], [2, BLOCK, 0]);
+        assert!(to_bytes(&Points::default()).is_ok());
+    }
+}

@@ -1,0 +1,203 @@
+//! The folder of a run and all that goes into it.
+
+use super::animation::{self, AnimationSettings};
+use super::bodies::write_mesh;
+use super::particles::{self, ParticleFormat};
+use super::picture::{Painter, PictureSettings, World};
+use super::poses::{self, PoseRow};
+use super::statistics::{StepStatistics, Summary, summarise};
+use super::table::Table;
+use super::{Frame, io_error, publish};
+use crate::error::Error;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+use volmap_formats::mesh::TriangleMesh;
+
+/// What is written.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct OutputSettings {
+    /// Formats of the particles' files.
+    pub particles: Vec<ParticleFormat>,
+    /// Whether each frame is drawn.
+    pub pictures: bool,
+    /// How.
+    pub picture: PictureSettings,
+    /// Whether the pictures become an animation at the end.
+    pub animate: bool,
+    /// How.
+    pub animation: AnimationSettings,
+}
+
+impl Default for OutputSettings {
+    fn default() -> Self {
+        OutputSettings {
+            particles: vec![ParticleFormat::Vtu],
+            pictures: true,
+            picture: PictureSettings::default(),
+            animate: true,
+            animation: AnimationSettings::default(),
+        }
+    }
+}
+
+/// A frame that was written; one row of `frames.csv`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct FrameRow {
+    /// Its number, from 0.
+    pub frame: u64,
+    /// Steps done.
+    pub step: u64,
+    /// Seconds.
+    pub time: f64,
+    /// Particles.
+    pub particles: u64,
+}
+
+/// Writes a run into its folder.
+pub struct Output {
+    folder: PathBuf,
+    settings: OutputSettings,
+    painter: Option<Painter>,
+    steps: Table<StepStatistics>,
+    frames: Table<FrameRow>,
+    poses: Table<PoseRow>,
+    /// All frames so far.
+    written: Vec<FrameRow>,
+    /// Names and mesh files.
+    bodies: Vec<(String, String)>,
+}
+
+/// Where a run begins or goes on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Start {
+    /// Steps done.
+    pub step: u64,
+    /// Frames written, which are numbered from 0.
+    pub frames: u64,
+}
+
+const PARTICLES: &str = "particles";
+const PICTURES: &str = "pictures";
+const BODIES: &str = "bodies";
+
+impl Output {
+    /// The folder of a run that begins (`start` is `None`) or goes on from a check-point; it is made if it isn't there.
+    /// `bodies` are the meshes of those that frames have poses of, with their names.
+    ///
+    /// # Errors
+    /// A folder or file that can't be written.
+    pub fn open(
+        folder: &Path,
+        settings: &OutputSettings,
+        world: World,
+        bodies: &[(&str, &TriangleMesh)],
+        start: Option<Start>,
+    ) -> Result<Output, Error> {
+        let needed = [
+            ("", true),
+            (PARTICLES, !settings.particles.is_empty()),
+            (PICTURES, settings.pictures),
+            (BODIES, !bodies.is_empty()),
+        ];
+        for (name, _) in needed.into_iter().filter(|(_, needed)| *needed) {
+            let folder = folder.join(name);
+            std::fs::create_dir_all(&folder).map_err(io_error(&folder))?;
+        }
+        let mut files = Vec::new();
+        for (number, (name, mesh)) in bodies.iter().enumerate() {
+            let file = write_mesh(&folder.join(BODIES), number, name, mesh)?;
+            files.push(((*name).to_owned(), format!("{BODIES}/{file}")));
+        }
+        // Frames count from 0: the last one kept is one less than their number.
+        let (step, frame) = (start.map(|s| s.step), start.map(|s| s.frames.checked_sub(1)));
+        let frames = open_table::<FrameRow>(&folder.join("frames.csv"), frame)?;
+        Ok(Output {
+            painter: settings.pictures.then(|| Painter::new(&settings.picture, world)),
+            steps: open_table(&folder.join("stats.csv"), step.map(Some))?,
+            poses: open_table(&folder.join("poses.csv"), frame)?,
+            written: frames.rows()?,
+            frames,
+            folder: folder.to_owned(),
+            settings: settings.clone(),
+            bodies: files,
+        })
+    }
+
+    /// Frames written so far.
+    pub fn frames(&self) -> u64 {
+        self.written.last().map_or(0, |row| row.frame + 1)
+    }
+
+    /// Writes a frame.
+    ///
+    /// # Errors
+    /// A file that can't be written; particles' lists of different lengths.
+    pub fn frame(&mut self, frame: &Frame) -> Result<(), Error> {
+        let number = self.frames();
+        for &format in &self.settings.particles {
+            particles::write(&self.folder.join(particle_file(number, format)), format, frame)?;
+        }
+        if let Some(painter) = &mut self.painter {
+            publish(&self.folder.join(picture_file(number)), &painter.draw(frame))?;
+        }
+        self.poses.append(&poses::rows(number, frame))?;
+        let particles = frame.positions.len() as u64;
+        let row = FrameRow { frame: number, step: frame.step, time: frame.time, particles };
+        self.frames.append(std::slice::from_ref(&row))?;
+        self.written.push(row);
+        if self.settings.particles.contains(&ParticleFormat::Vtu) {
+            let file = |row: &FrameRow| (row.time, particle_file(row.frame, ParticleFormat::Vtu));
+            let files: Vec<_> = self.written.iter().map(file).collect();
+            particles::write_collection(&self.folder.join("particles.pvd"), &files)?;
+        }
+        Ok(())
+    }
+
+    /// Writes a step's row.
+    ///
+    /// # Errors
+    /// A file that can't be written.
+    pub fn step(&mut self, step: &StepStatistics) -> Result<(), Error> {
+        self.steps.append(std::slice::from_ref(step))
+    }
+
+    /// Writes what sums up the run so far: `stats.json`, `poses.json` and the animation.
+    ///
+    /// # Errors
+    /// A file that can't be read or written.
+    pub fn finish(&self) -> Result<Summary, Error> {
+        let summary = summarise(&self.steps.rows()?);
+        let json = serde_json::to_vec_pretty(&summary).expect("numbers and text");
+        publish(&self.folder.join("stats.json"), &json)?;
+        if !self.bodies.is_empty() {
+            poses::write_json(&self.folder.join("poses.json"), &self.bodies, &self.poses.rows()?)?;
+        }
+        if self.settings.pictures && self.settings.animate && self.written.len() > 1 {
+            let pictures: Vec<PathBuf> =
+                self.written.iter().map(|row| self.folder.join(picture_file(row.frame))).collect();
+            animation::write(&self.folder.join("animation.png"), &pictures, &self.settings.animation)?;
+        }
+        Ok(summary)
+    }
+}
+
+/// `None`: a new table; `Some(None)`: one without rows; `Some(Some(last))`: rows up to the last.
+fn open_table<Row: Default + Serialize + serde::de::DeserializeOwned>(
+    path: &Path,
+    last: Option<Option<u64>>,
+) -> Result<Table<Row>, Error> {
+    match last {
+        Some(Some(last)) => Table::resume(path, &Row::default(), last),
+        Some(None) | None => Table::create(path, &Row::default()),
+    }
+}
+
+fn particle_file(number: u64, format: ParticleFormat) -> String {
+    format!("{PARTICLES}/frame_{number:06}.{}", format.extension())
+}
+
+fn picture_file(number: u64) -> String {
+    format!("{PICTURES}/frame_{number:06}.png")
+}

@@ -1,0 +1,45 @@
+//! Interop, simulations: VTK and meshio read the particles that were written, and splashsurf makes a surface of them.
+
+use std::path::Path;
+use volmap_runtime::DVec3;
+use volmap_solver::output::Frame;
+use volmap_solver::output::particles::{self, ParticleFormat};
+use volmap_tests::python;
+
+use crate::interop_asset::run;
+
+/// Particle radius; the block has 20 x 16 x 24 particles.
+const RADIUS: f64 = 0.025;
+
+#[test]
+fn other_programs_read_the_particles() {
+    let folder = tempfile::tempdir().unwrap();
+    let place =
+        |n: u32| 2.0 * RADIUS * (DVec3::new((n % 20).into(), (n / 20 % 16).into(), (n / 320).into()) + 0.5);
+    // The script knows the rules that these values follow.
+    let ids: Vec<u32> = (0..20 * 16 * 24).rev().collect();
+    let positions: Vec<DVec3> = ids.iter().map(|&n| place(n)).collect();
+    let velocities: Vec<[f32; 3]> = ids.iter().map(|&n| [n as f32, 0.5, -2.0 * n as f32]).collect();
+    let density: Vec<f32> = ids.iter().map(|&n| 1.0 + n as f32 / 1024.0).collect();
+    let pressure: Vec<f32> = ids.iter().map(|&n| 10.0 * n as f32).collect();
+    let frame = Frame {
+        time: 0.25,
+        step: 100,
+        particle_radius: RADIUS,
+        positions: &positions,
+        velocities: &velocities,
+        density: &density,
+        pressure: &pressure,
+        ids: &ids,
+        bodies: &[],
+    };
+    for format in [ParticleFormat::Vtu, ParticleFormat::Ply, ParticleFormat::Bgeo] {
+        let path = folder.path().join(format!("frame_000001.{}", format.extension()));
+        particles::write(&path, format, &frame).unwrap();
+    }
+    let files = [(0.25, "frame_000001.vtu".to_owned())];
+    particles::write_collection(&folder.path().join("particles.pvd"), &files).unwrap();
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("interop/check_simulation.py");
+    let mut command = std::process::Command::new(python());
+    print!("{}", run(command.arg(&script).arg(folder.path())));
+}
