@@ -86,6 +86,11 @@ impl Boundary {
         self.chunks.iter().flat_map(|chunk| &chunk.contacts)
     }
 
+    /// Largest speed of a body at a contact, m/s.
+    pub fn max_speed(&self) -> f64 {
+        self.contacts().map(|contact| contact.velocity.length_squared()).fold(0.0, f64::max).sqrt()
+    }
+
     /// The particles whose centres are in a body.
     pub fn inside(&self) -> impl Iterator<Item = &Inside> {
         self.chunks.iter().flat_map(|chunk| &chunk.inside)

@@ -9,8 +9,11 @@
 pub mod bodies;
 pub mod boundary;
 pub mod cells;
+pub mod coupling;
 pub mod error;
+pub mod fields;
 pub mod neighbours;
+mod non_pressure;
 pub mod output;
 pub mod pairs;
 pub mod particles;
@@ -18,6 +21,8 @@ pub mod pressure;
 pub mod scene;
 pub mod settings;
 pub mod simulation;
+pub mod stages;
+mod strays;
 pub mod time_step;
 
 pub use error::Error;

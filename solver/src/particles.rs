@@ -42,6 +42,11 @@ impl Particles {
         self.next_id += positions.len() as u32;
     }
 
+    /// Bytes held.
+    pub fn memory_bytes(&self) -> usize {
+        self.positions.capacity() * (size_of::<DVec3>() + size_of::<[f32; 3]>() + 3 * size_of::<f32>())
+    }
+
     /// Puts the particles into a new order, which may leave some out: old indices.
     pub fn reorder(&mut self, order: &[u32]) {
         reorder(&mut self.positions, order);

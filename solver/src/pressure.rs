@@ -1,46 +1,19 @@
 //! Both pressure solves: CORRECT DIVERGENCE ERROR and CORRECT DENSITY ERROR of Band et al. 2018, Algorithm 1.
 //!
-//! Unknown is P = p / (rho_0 D^2), D = rho / rho_0, for each particle. The boundary's part is that of Bender et al.
-//! 2020, Eq. 15, with mirrored pressure: both p / rho^2 and p / rho_0^2 times the gradient of the boundary's density.
+//! Unknown is P = p / (rho_0 D^2), D = rho / rho_0, for each particle. A particle compresses itself by A = V sum (a_i -
+//! a_j) . grad W_ij + a_i . grad rho_B / rho_0, for the accelerations a of Eq. 1; both solves look for P >= 0 so that
+//! source + A <= 0, with equality where P > 0.
+//!
+//! The boundary's part of a is Eq. 15 of Bender et al. 2020. Its second term, the mirrored pressure, is left out unless
+//! asked for: without it, forces are the gradient of what is to be kept constant, so that the solves take no energy from
+//! the boundary and give it none. The closure `mirror` has the image's part in its gradient.
 
 use crate::boundary::Boundary;
+use crate::fields::{Discretization, Fields};
 use crate::neighbours::{CHUNK, Neighbours};
 use crate::pairs::lanes::Quad;
-use crate::pairs::{Density, Pairs};
 use crate::settings::SolveSettings;
 use rayon::prelude::*;
-use volmap_runtime::KernelKind;
-
-/// What the sums over neighbours are made with.
-#[derive(Clone, Copy, Debug)]
-pub struct Discretization {
-    /// The kernel.
-    pub kernel: KernelKind,
-    /// Its support radius r, metres.
-    pub support_radius: f64,
-    /// Volume V of a particle, m^3.
-    pub volume: f64,
-}
-
-/// What a step computes of the particles, in their order. Quads have one more, far away and at rest.
-#[derive(Clone, Debug, Default)]
-pub struct Fields {
-    /// Places in support radii, and P.
-    pub places: Vec<Quad>,
-    next_places: Vec<Quad>,
-    /// Velocities, m/s.
-    pub velocities: Vec<Quad>,
-    /// Accelerations by pressure, m/s^2.
-    pub accelerations: Vec<Quad>,
-    /// Relative densities D, the boundary's part included.
-    pub densities: Vec<f32>,
-    /// alpha of Algorithm 1, of the other sign: how fast P lowers its own particle's density, 1/m^2.
-    pub factors: Vec<f32>,
-    /// What is to be cancelled: the density's error or the velocity's divergence, 1/s^2.
-    sources: Vec<f32>,
-    /// Relaxation / factor; 0 where a particle takes no part.
-    steps: Vec<f32>,
-}
 
 /// How a solve went.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -55,61 +28,37 @@ pub struct SolveReport {
 const SURFACE_DENSITY: f32 = 0.7;
 
 impl Fields {
-    /// Density and factor of all particles: Algorithm 1, lines 4 and 5.
-    pub fn compute_density(&mut self, with: Discretization, neighbours: &Neighbours, boundary: &Boundary) {
-        let count = self.places.len() - 1;
-        self.densities.resize(count, 0.0);
-        self.factors.resize(count, 0.0);
-        let pairs = pairs(with, &self.places);
-        let chunks = self.densities.par_chunks_mut(CHUNK).zip(self.factors.par_chunks_mut(CHUNK));
-        chunks.zip(neighbours.chunks()).for_each(|((densities, factors), lists)| {
-            let mut sums = [Density::default(); CHUNK];
-            let sums = &mut sums[..densities.len()];
-            pairs.density(lists, sums);
-            for (within, sum) in sums.iter().enumerate() {
-                let wall = boundary.of_particle[lists.first + within];
-                let gradient = std::array::from_fn(|axis| sum.gradient[axis] + wall.gradient[axis]);
-                densities[within] = sum.density + wall.density;
-                factors[within] = dot(gradient, gradient) + sum.squares;
-            }
-        });
-    }
-
     /// Solves for the pressures that keep the velocity from compressing the fluid; `accelerations` hold the answer.
     pub fn correct_divergence(&mut self, solve: &Solve) -> SolveReport {
-        let surface = |density: f32| density < SURFACE_DENSITY;
-        self.sources(solve, |density, rate, dt| if surface(density) { 0.0 } else { rate.max(0.0) / dt });
-        for (step, &density) in self.steps.iter_mut().zip(&self.densities) {
-            if surface(density) {
-                *step = 0.0;
-            }
-        }
+        self.sources(solve, |density, rate, dt| (density >= SURFACE_DENSITY).then_some(rate.max(0.0) / dt));
         self.iterate(solve)
     }
 
     /// Solves for the pressures that bring the density back to rest; `accelerations` hold the answer.
     pub fn correct_density(&mut self, solve: &Solve) -> SolveReport {
-        self.sources(solve, |density, rate, dt| (density - 1.0) / (dt * dt) + rate / dt);
+        self.sources(solve, |density, rate, dt| Some((density - 1.0) / (dt * dt) + rate / dt));
         self.iterate(solve)
     }
 
-    /// The source of each particle, from its density and the rate at which the velocity raises it.
-    fn sources(&mut self, solve: &Solve, source: impl Fn(f32, f32, f32) -> f32 + Sync) {
-        let count = self.places.len() - 1;
-        self.sources.resize(count, 0.0);
-        self.steps.resize(count, 0.0);
-        let (pairs, velocities, dt) = (pairs(solve.with, &self.places), &self.velocities, solve.dt as f32);
+    /// The source of each particle, from its density, the rate at which the velocity raises it, and dt; one without
+    /// takes no part.
+    fn sources(&mut self, solve: &Solve, source: impl Fn(f32, f32, f32) -> Option<f32> + Sync) {
+        self.sources.resize(self.len(), 0.0);
+        self.steps.resize(self.len(), 0.0);
+        let (pairs, velocities, dt) = (solve.with.pairs(&self.places), &self.velocities, solve.dt as f32);
         let (densities, factors) = (&self.densities, &self.factors);
         let chunks = self.sources.par_chunks_mut(CHUNK).zip(self.steps.par_chunks_mut(CHUNK));
         chunks.zip(solve.neighbours.chunks()).for_each(|((sources, steps), lists)| {
             pairs.flux(lists, velocities, sources);
             for within in 0..sources.len() {
                 let particle = lists.first + within;
-                let wall = solve.boundary.of_particle[particle];
-                let rate = sources[within] + dot3(velocities[particle], wall.gradient) - wall.flux;
-                sources[within] = source(densities[particle], rate, dt);
-                let factor = factors[particle];
-                steps[within] = if factor > 1e-6 { solve.relaxation / factor } else { 0.0 };
+                let wall = &solve.boundary.of_particle[particle];
+                let rate = sources[within] + dot(velocities[particle], wall.gradient) - wall.flux;
+                let (source, factor) = (source(densities[particle], rate, dt), factors[particle]);
+                sources[within] = source.unwrap_or(0.0);
+                // A particle alone can't be compressed.
+                let takes_part = source.is_some() && factor > 1e-6;
+                steps[within] = if takes_part { solve.relaxation / factor } else { 0.0 };
             }
         });
     }
@@ -118,7 +67,7 @@ impl Fields {
     fn iterate(&mut self, solve: &Solve) -> SolveReport {
         let mut report = SolveReport::default();
         loop {
-            self.accelerate(solve);
+            self.accelerate_by_pressure(solve);
             report.error = self.relax(solve);
             report.iterations += 1;
             let good = report.error <= solve.settings.max_error;
@@ -132,10 +81,8 @@ impl Fields {
     }
 
     /// Accelerations by the pressures: Eq. 1 of Band et al. with the boundary's part as Eq. 15 of Bender et al.
-    fn accelerate(&mut self, solve: &Solve) {
-        let pairs = pairs(solve.with, &self.places);
-        let (places, densities) = (&self.places, &self.densities);
-        self.accelerations.resize(places.len(), [0.0; 4]);
+    fn accelerate_by_pressure(&mut self, solve: &Solve) {
+        let (pairs, places, densities) = (solve.with.pairs(&self.places), &self.places, &self.densities);
         let chunks = self.accelerations.par_chunks_mut(CHUNK).zip(solve.neighbours.chunks());
         chunks.for_each(|(out, lists)| {
             let mut sums = [[0.0; 3]; CHUNK];
@@ -144,7 +91,7 @@ impl Fields {
             for (within, (out, sum)) in out.iter_mut().zip(sums).enumerate() {
                 let particle = lists.first + within;
                 let wall = solve.boundary.of_particle[particle];
-                let factor = -mirrored(places[particle][3], densities[particle]);
+                let factor = -solve.wall_factor(places[particle][3], densities[particle]);
                 let [x, y, z] = std::array::from_fn(|axis| sum[axis] + factor * wall.gradient[axis]);
                 *out = [x, y, z, 0.0];
             }
@@ -153,7 +100,7 @@ impl Fields {
 
     /// A Jacobi step into `next_places`; the mean error of the pressures before it.
     fn relax(&mut self, solve: &Solve) -> f64 {
-        let pairs = pairs(solve.with, &self.places);
+        let pairs = solve.with.pairs(&self.places);
         let (places, accelerations) = (&self.places, &self.accelerations);
         let (sources, steps) = (&self.sources, &self.steps);
         self.next_places.resize(places.len(), [0.0; 4]);
@@ -169,13 +116,11 @@ impl Fields {
                 for (within, (out, change)) in out.iter_mut().zip(change).enumerate() {
                     let particle = lists.first + within;
                     let wall = solve.boundary.of_particle[particle].gradient;
-                    let error = sources[particle] + *change + dot3(accelerations[particle], wall);
+                    let error = sources[particle] + *change + dot(accelerations[particle], wall);
                     let [x, y, z, pressure] = places[particle];
                     *out = [x, y, z, (pressure + steps[particle] * error).max(0.0)];
                     if steps[particle] > 0.0 {
-                        static TWO: std::sync::LazyLock<bool> = std::sync::LazyLock::new(|| std::env::var("TWO").is_ok());
-                        let error = if *TWO { (out[3] - pressure).abs() / steps[particle] } else { error.max(0.0) };
-                        sum += f64::from(error);
+                        sum += f64::from(error.max(0.0));
                     }
                 }
                 sum
@@ -195,27 +140,23 @@ pub struct Solve<'a> {
     pub boundary: &'a Boundary,
     /// When to stop.
     pub settings: &'a SolveSettings,
+    /// Whether the boundary's pressure is added as Eq. 15 of Bender et al. 2020 has it.
+    pub mirrored: bool,
     /// Relaxation of the Jacobi steps, omega.
     pub relaxation: f32,
     /// Time step, seconds.
     pub dt: f64,
 }
 
-/// P_i + p_i / rho_0, which is P D^2: own and mirrored pressure, by which the boundary's gradient is multiplied.
-pub fn mirrored(pressure: f32, density: f32) -> f32 {
-    static M: std::sync::LazyLock<f32> = std::sync::LazyLock::new(|| std::env::var("MIRROR").map_or(1.0, |v| v.parse().unwrap()));
-    pressure * (1.0 + *M * density * density)
+impl Solve<'_> {
+    /// What the boundary's gradient is multiplied by: Eq. 15 of Bender et al. 2020 over rho_0; p_i / rho_i^2 alone or with
+    /// the mirrored p_i / rho_0^2, which is P D^2.
+    #[inline]
+    pub fn wall_factor(&self, pressure: f32, density: f32) -> f32 {
+        if self.mirrored { pressure * (1.0 + density * density) } else { pressure }
+    }
 }
 
-fn pairs(with: Discretization, places: &[Quad]) -> Pairs<'_> {
-    Pairs { kernel: with.kernel, support_radius: with.support_radius, volume: with.volume, places }
-}
-
-fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
+fn dot(a: Quad, b: [f32; 3]) -> f32 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
-
-fn dot3(a: Quad, b: [f32; 3]) -> f32 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-

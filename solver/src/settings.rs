@@ -15,6 +15,9 @@ pub struct SolverSettings {
     pub divergence: SolveSettings,
     /// Relaxation of the Jacobi steps, omega of Algorithm 1.
     pub relaxation: f64,
+    /// Whether the boundary's mirrored pressure is added, as Eq. 15 of Bender et al. 2020 has it. Without it forces are
+    /// the gradient of the boundary's density, and a fluid at rest is calmer: solver/VALIDATION.md.
+    pub mirrored_pressure: bool,
     /// Pressures begin as this part of the last step's; 0: from zero, as Algorithm 1 has it.
     pub warm_start: f64,
     /// The time step.
@@ -91,6 +94,7 @@ impl Default for SolverSettings {
                 max_iterations: 100,
             },
             relaxation: 0.5,
+            mirrored_pressure: false,
             warm_start: 0.5,
             time_step: TimeStepSettings::default(),
         }

@@ -3,64 +3,56 @@
 use crate::bodies::Bodies;
 use crate::boundary::Boundary;
 use crate::cells::Cells;
+use crate::coupling;
+use crate::error::Error;
+use crate::fields::{Discretization, Fields};
 use crate::neighbours::{CHUNK, Neighbours};
-use crate::pairs::Pairs;
 use crate::particles::Particles;
-use crate::pressure::{Discretization, Fields, Solve, SolveReport};
-use crate::settings::{FluidSettings, SolverSettings, World};
+use crate::pressure::{Solve, SolveReport};
+use crate::scene::Emitter;
+use crate::settings::{FluidSettings, SolveSettings, SolverSettings, World};
+use crate::stages::Stages;
+use crate::strays;
 use crate::time_step::time_step;
 use rayon::prelude::*;
-use std::time::{Duration, Instant};
 use volmap_runtime::{Closure, DVec3, Kernel};
 
-/// A fluid, the bodies around it, and the time.
-pub struct Simulation {
-    /// Particle radius, support radius, gravity.
+/// What a simulation begins with. Numbers must be finite and in range: see [`crate::scene`].
+pub struct Setup {
+    /// Particle radius, support radius, kernel, closure, gravity.
     pub world: World,
     /// What the fluid is.
     pub fluid: FluidSettings,
     /// How it is solved.
     pub solver: SolverSettings,
-    /// The fluid.
+    /// The fluid at the start.
     pub particles: Particles,
-    /// What it touches.
+    /// What adds to it.
+    pub emitters: Vec<Emitter>,
+    /// What it touches; maps of the world's support radius.
     pub bodies: Bodies,
-    /// Seconds since the beginning.
-    pub time: f64,
-    /// Steps done.
-    pub step: u64,
+    /// Particles that leave this box are removed. Default: fluid and bodies of the start, thrice as wide and more.
+    pub domain: Option<[DVec3; 2]>,
+}
+
+/// A fluid, the bodies around it, and the time.
+pub struct Simulation {
+    world: World,
+    fluid: FluidSettings,
+    solver: SolverSettings,
+    domain: [DVec3; 2],
     closure: Closure,
+    pub(crate) particles: Particles,
+    pub(crate) emitters: Vec<Emitter>,
+    pub(crate) bodies: Bodies,
+    pub(crate) time: f64,
+    pub(crate) step: u64,
     cells: Cells,
     order: Vec<u32>,
     neighbours: Neighbours,
-    /// t
-    pub boundary: Boundary,
-    /// t
-    pub fields: Fields,
+    boundary: Boundary,
+    fields: Fields,
     stages: Stages,
-}
-
-/// Wall-clock time of each stage of a step.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Stages {
-    /// Sorting the particles by cells.
-    pub sort: Duration,
-    /// Lists of neighbours.
-    pub neighbours: Duration,
-    /// Asking the maps.
-    pub boundary: Duration,
-    /// Density and factor.
-    pub density: Duration,
-    /// The divergence solve.
-    pub divergence: Duration,
-    /// Viscosity and gravity.
-    pub non_pressure: Duration,
-    /// The density solve.
-    pub pressure: Duration,
-    /// New velocities and places.
-    pub advance: Duration,
-    /// Bodies.
-    pub rigid: Duration,
 }
 
 /// What a step was like.
@@ -72,27 +64,36 @@ pub struct StepReport {
     pub density: SolveReport,
     /// The divergence solve.
     pub divergence: SolveReport,
-    /// Largest speed, m/s.
+    /// Largest speed at its beginning, m/s, that of bodies where they touch the fluid included.
     pub max_speed: f64,
+    /// Particles that came from emitters.
+    pub emitted: usize,
+    /// Particles that left the domain and were removed.
+    pub removed: usize,
     /// Particles whose centres were in a body.
     pub inside: usize,
-    /// Time of each stage.
+    /// Particles that a body is near.
+    pub near_bodies: usize,
+    /// Wall-clock times.
     pub stages: Stages,
 }
 
 impl Simulation {
-    /// t
-    pub fn new(world: World, fluid: FluidSettings, solver: SolverSettings, bodies: Bodies) -> Simulation {
-        let closure = Closure::new(world.closure, Kernel::new(world.kernel, world.support_radius), world.particle_radius);
+    /// A simulation at time 0.
+    pub fn new(setup: Setup) -> Simulation {
+        let Setup { world, fluid, solver, particles, emitters, bodies, domain } = setup;
+        let kernel = Kernel::new(world.kernel, world.support_radius);
         Simulation {
+            domain: domain.unwrap_or_else(|| default_domain(&particles, &emitters, &bodies)),
+            closure: Closure::new(world.closure, kernel, world.particle_radius),
             world,
             fluid,
             solver,
-            particles: Particles::default(),
+            particles,
+            emitters,
             bodies,
             time: 0.0,
             step: 0,
-            closure,
             cells: Cells::default(),
             order: Vec::new(),
             neighbours: Neighbours::default(),
@@ -102,27 +103,159 @@ impl Simulation {
         }
     }
 
-    /// Volume V of a particle, m^3.
-    pub fn particle_volume(&self) -> f64 {
-        self.fluid.volume_factor * (2.0 * self.world.particle_radius).powi(3)
-    }
-
-    /// One step: PERFORM SIMULATION of Algorithm 1.
-    pub fn step(&mut self) -> StepReport {
-        self.stages = Stages::default();
+    /// One step: PERFORM SIMULATION of Algorithm 1, and the bodies.
+    ///
+    /// # Errors
+    /// [`Error::Simulation`] when what is computed is no fluid any more; the state is then of no use.
+    pub fn step(&mut self) -> Result<StepReport, Error> {
+        self.stages.begin();
+        let emitted = self.emit();
         let max_speed = self.max_speed();
-        let dt = time_step(&self.solver.time_step, self.world.particle_radius, max_speed);
+        let dt = self.time_step(max_speed)?;
         self.find_neighbourhoods();
         self.compute_density();
         let divergence = self.correct_divergence_error(dt);
         self.add_non_pressure(dt);
         let density = self.correct_density_error(dt);
         self.advance(dt);
-        self.bodies.step(dt);
+        let removed = strays::remove_outside(&mut self.particles, self.domain);
+        self.stages.end(|stages| &mut stages.advance);
+        self.bodies.step(dt)?;
+        self.stages.end(|stages| &mut stages.rigid);
         self.time += dt;
         self.step += 1;
-        let inside = self.boundary.inside().count();
-        StepReport { dt, density, divergence, max_speed, inside, stages: self.stages }
+        Ok(StepReport {
+            dt,
+            density,
+            divergence,
+            max_speed,
+            emitted,
+            removed,
+            inside: self.boundary.inside().count(),
+            near_bodies: self.boundary.of_particle.iter().filter(|wall| wall.density != 0.0).count(),
+            stages: self.stages,
+        })
+    }
+
+    fn emit(&mut self) -> usize {
+        let before = self.particles.len();
+        for emitter in &mut self.emitters {
+            let places = emitter.emit(self.time);
+            let velocity = emitter.velocity.as_vec3().to_array();
+            self.particles.add(&places, &vec![velocity; places.len()]);
+        }
+        self.particles.len() - before
+    }
+
+    fn time_step(&self, max_speed: f64) -> Result<f64, Error> {
+        let settings = &self.solver.time_step;
+        let smallest = if settings.adaptive { settings.min } else { settings.initial };
+        if !(max_speed * smallest <= self.world.support_radius) {
+            return Err(self.stopped(format!(
+                "the largest speed is {max_speed:.3e} m/s: a particle crosses the support radius of {} m in the smallest \
+                 time step, {smallest:e} s; allow smaller steps (solver.time_step), or look for fluid that begins in a \
+                 body or on top of other fluid",
+                self.world.support_radius
+            )));
+        }
+        let first = self.step == 0 && settings.adaptive;
+        let dt = time_step(settings, self.world.particle_radius, max_speed);
+        Ok(if first { dt.min(settings.initial) } else { dt })
+    }
+
+    fn stopped(&self, reason: String) -> Error {
+        Error::Simulation { step: self.step, time: self.time, reason }
+    }
+
+    fn find_neighbourhoods(&mut self) {
+        let radius = self.world.support_radius;
+        self.cells.sort(&self.particles.positions, radius, &mut self.order);
+        self.particles.reorder(&self.order);
+        self.fields.place(&self.particles, radius);
+        self.stages.end(|stages| &mut stages.sort);
+        self.neighbours.find(&self.cells, &self.particles.positions, &self.fields.places);
+        self.stages.end(|stages| &mut stages.neighbours);
+    }
+
+    fn compute_density(&mut self) {
+        self.boundary.sample(&self.bodies, &self.closure, &self.particles.positions);
+        self.stages.end(|stages| &mut stages.boundary);
+        self.fields.compute_density(self.discretization(), &self.neighbours, &self.boundary);
+        self.stages.end(|stages| &mut stages.density);
+    }
+
+    fn correct_divergence_error(&mut self, dt: f64) -> SolveReport {
+        if !self.solver.divergence.enabled {
+            return SolveReport::default();
+        }
+        self.fields.set_pressures(&self.particles.divergence_pressures, self.solver.warm_start as f32);
+        let solve = self.solve(&self.solver.divergence, dt);
+        let mut fields = std::mem::take(&mut self.fields);
+        let report = fields.correct_divergence(&solve);
+        let forces = coupling::forces(&self.bodies, &fields, &solve, self.particle_mass());
+        fields.keep_pressures(&mut self.particles.divergence_pressures);
+        fields.accelerate(dt);
+        self.fields = fields;
+        coupling::push(&mut self.bodies, &forces);
+        self.stages.end(|stages| &mut stages.divergence);
+        report
+    }
+
+    fn add_non_pressure(&mut self, dt: f64) {
+        let (with, forces) = (self.discretization(), (&self.fluid, self.world.gravity));
+        self.fields.compute_non_pressure(with, &self.neighbours, forces, dt);
+        self.fields.accelerate(dt);
+        self.stages.end(|stages| &mut stages.non_pressure);
+    }
+
+    fn correct_density_error(&mut self, dt: f64) -> SolveReport {
+        if !self.solver.density.enabled {
+            return SolveReport::default();
+        }
+        self.fields.set_pressures(&self.particles.pressures, self.solver.warm_start as f32);
+        let solve = self.solve(&self.solver.density, dt);
+        let mut fields = std::mem::take(&mut self.fields);
+        let report = fields.correct_density(&solve);
+        let forces = coupling::forces(&self.bodies, &fields, &solve, self.particle_mass());
+        fields.keep_pressures(&mut self.particles.pressures);
+        fields.accelerate(dt);
+        self.fields = fields;
+        coupling::push(&mut self.bodies, &forces);
+        self.stages.end(|stages| &mut stages.pressure);
+        report
+    }
+
+    fn solve<'a>(&'a self, settings: &'a SolveSettings, dt: f64) -> Solve<'a> {
+        Solve {
+            with: self.discretization(),
+            neighbours: &self.neighbours,
+            boundary: &self.boundary,
+            settings,
+            mirrored: self.solver.mirrored_pressure,
+            relaxation: self.solver.relaxation as f32,
+            dt,
+        }
+    }
+
+    /// New velocities and places; particles in bodies move out.
+    fn advance(&mut self, dt: f64) {
+        let Particles { positions, velocities, .. } = &mut self.particles;
+        let all = positions.par_iter_mut().zip(velocities).zip(&self.fields.velocities).with_min_len(CHUNK);
+        all.for_each(|((position, velocity), &[x, y, z, _])| {
+            *velocity = [x, y, z];
+            *position += dt * DVec3::new(x.into(), y.into(), z.into());
+        });
+        let radius = self.world.particle_radius;
+        strays::bring_back(&mut self.particles, self.boundary.inside(), &self.bodies, radius);
+    }
+
+    fn max_speed(&self) -> f64 {
+        let square = |v: &[f32; 3]| v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+        // Not a number must not be overlooked.
+        let larger = |a: f32, b: f32| if a.is_nan() || a > b { a } else { b };
+        let fluid = self.particles.velocities.par_iter().map(square).reduce(|| 0.0, larger);
+        let bodies = self.boundary.max_speed();
+        if fluid.is_nan() { f64::NAN } else { f64::from(fluid.sqrt()).max(bodies) }
     }
 
     fn discretization(&self) -> Discretization {
@@ -133,174 +266,68 @@ impl Simulation {
         }
     }
 
-    fn find_neighbourhoods(&mut self) {
-        let start = Instant::now();
-        self.cells.sort(&self.particles.positions, self.world.support_radius, &mut self.order);
-        self.particles.reorder(&self.order);
-        self.stages.sort = start.elapsed();
-        let start = Instant::now();
-        self.fields.place(&self.particles, self.world.support_radius);
-        self.neighbours.find(&self.cells, &self.particles.positions, &self.fields.places);
-        self.stages.neighbours = start.elapsed();
+    /// Volume V of a particle, m^3.
+    pub fn particle_volume(&self) -> f64 {
+        self.fluid.volume_factor * (2.0 * self.world.particle_radius).powi(3)
     }
 
-    fn compute_density(&mut self) {
-        let start = Instant::now();
-        self.boundary.sample(&self.bodies, &self.closure, &self.particles.positions);
-        self.stages.boundary = start.elapsed();
-        let start = Instant::now();
-        let with = self.discretization();
-        self.fields.compute_density(with, &self.neighbours, &self.boundary);
-        self.stages.density = start.elapsed();
+    /// Mass of a particle, kg.
+    pub fn particle_mass(&self) -> f64 {
+        self.fluid.rest_density * self.particle_volume()
     }
 
-    fn correct_divergence_error(&mut self, dt: f64) -> SolveReport {
-        let start = Instant::now();
-        let mut report = SolveReport::default();
-        if self.solver.divergence.enabled {
-            self.fields.set_pressures(&self.particles.divergence_pressures, self.solver.warm_start as f32);
-            report = self.solve(dt, Fields::correct_divergence);
-            self.fields.get_pressures(&mut self.particles.divergence_pressures);
-            self.fields.accelerate_by_pressure(dt);
-            self.push_bodies();
-        }
-        self.stages.divergence = start.elapsed();
-        report
+    /// Time simulated, seconds.
+    pub fn time(&self) -> f64 {
+        self.time
     }
 
-    fn add_non_pressure(&mut self, dt: f64) {
-        let start = Instant::now();
-        let (fluid, gravity) = (&self.fluid, self.world.gravity.as_vec3().to_array());
-        let with = self.discretization();
-        self.fields.add_viscosity_and_gravity(with, &self.neighbours, fluid, gravity, dt);
-        self.stages.non_pressure = start.elapsed();
+    /// Steps done.
+    pub fn steps(&self) -> u64 {
+        self.step
     }
 
-    fn correct_density_error(&mut self, dt: f64) -> SolveReport {
-        let start = Instant::now();
-        let mut report = SolveReport::default();
-        if self.solver.density.enabled {
-            self.fields.set_pressures(&self.particles.pressures, self.solver.warm_start as f32);
-            report = self.solve(dt, Fields::correct_density);
-            self.fields.get_pressures(&mut self.particles.pressures);
-            self.fields.accelerate_by_pressure(dt);
-            self.push_bodies();
-        }
-        self.stages.pressure = start.elapsed();
-        report
+    /// The fluid.
+    pub fn particles(&self) -> &Particles {
+        &self.particles
     }
 
-    fn solve(&mut self, dt: f64, solve: fn(&mut Fields, &Solve) -> SolveReport) -> SolveReport {
-        let settings = if solve as usize == Fields::correct_density as usize {
-            &self.solver.density
-        } else {
-            &self.solver.divergence
-        };
-        let with = Discretization {
-            kernel: self.world.kernel,
-            support_radius: self.world.support_radius,
-            volume: self.particle_volume(),
-        };
-        let input = Solve {
-            with,
-            neighbours: &self.neighbours,
-            boundary: &self.boundary,
-            settings,
-            relaxation: self.solver.relaxation as f32,
-            dt,
-        };
-        solve(&mut self.fields, &input)
+    /// What it touches.
+    pub fn bodies(&self) -> &Bodies {
+        &self.bodies
     }
 
-    /// The fluid pushes the bodies as they push the fluid.
-    fn push_bodies(&mut self) {}
-
-    fn advance(&mut self, dt: f64) {
-        let start = Instant::now();
-        let velocities = &self.fields.velocities;
-        let particles = &mut self.particles;
-        let chunks = particles.positions.par_chunks_mut(CHUNK).zip(particles.velocities.par_chunks_mut(CHUNK));
-        chunks.zip(velocities.par_chunks(CHUNK)).for_each(|((positions, out), velocities)| {
-            for ((position, out), &[x, y, z, _]) in positions.iter_mut().zip(out).zip(velocities) {
-                *out = [x, y, z];
-                *position += dt * DVec3::new(x.into(), y.into(), z.into());
-            }
-        });
-        self.stages.advance = start.elapsed();
+    /// Mean number of neighbours in the last step, the filling of the last group included.
+    pub fn mean_neighbours(&self) -> f64 {
+        self.neighbours.entries() as f64 / self.particles.len().max(1) as f64
     }
 
-    fn max_speed(&self) -> f64 {
-        let gravity = self.world.gravity.as_vec3() * self.solver.time_step.max as f32 * 0.0;
-        let square = |v: &[f32; 3]| (glam::Vec3::from_array(*v) + gravity).length_squared();
-        let max = self.particles.velocities.par_iter().map(square).reduce(|| 0.0, f32::max);
-        f64::from(max.sqrt())
+    /// Relative densities D = rho / rho_0 at the beginning of the last step, in the particles' order unless some were
+    /// removed since; then there are more.
+    pub fn densities(&self) -> &[f32] {
+        &self.fields.densities
+    }
+
+    /// Bytes held by particles and lists.
+    pub fn memory_bytes(&self) -> usize {
+        self.neighbours.memory_bytes() + self.particles.memory_bytes() + self.fields.memory_bytes()
     }
 }
 
-impl Fields {
-    fn place(&mut self, particles: &Particles, support_radius: f64) {
-        let origin = particles.positions.first().copied().unwrap_or_default();
-        let per = 1.0 / support_radius;
-        let place = |&x: &DVec3| {
-            let [x, y, z] = ((x - origin) * per).as_vec3().to_array();
-            [x, y, z, 0.0]
-        };
-        particles.positions.par_iter().map(place).collect_into_vec(&mut self.places);
-        self.places.push([1e6, 1e6, 1e6, 0.0]);
-        particles.velocities.par_iter().map(|&[x, y, z]| [x, y, z, 0.0]).collect_into_vec(&mut self.velocities);
-        self.velocities.push([0.0; 4]);
-    }
-
-    fn set_pressures(&mut self, pressures: &[f32], part: f32) {
-        for (place, pressure) in self.places.iter_mut().zip(pressures) {
-            place[3] = part * pressure;
+/// All that is there at the start, grown on each side by its own diagonal.
+fn default_domain(particles: &Particles, emitters: &[Emitter], bodies: &Bodies) -> [DVec3; 2] {
+    let mut points: Vec<DVec3> = particles.positions.clone();
+    points.extend(emitters.iter().flat_map(|emitter| emitter.layer().iter().copied()));
+    for body in bodies.posed() {
+        let grid = body.map.grid();
+        for corner in 0..8 {
+            let pick = |bit: u32, min: f64, max: f64| if corner >> bit & 1 == 0 { min } else { max };
+            let [min, max] = [grid.origin(), grid.origin() + grid.size()];
+            let at = DVec3::new(pick(0, min.x, max.x), pick(1, min.y, max.y), pick(2, min.z, max.z));
+            points.push(body.pose.to_world(at));
         }
     }
-
-    fn get_pressures(&self, pressures: &mut [f32]) {
-        for (place, pressure) in self.places.iter().zip(pressures) {
-            *pressure = place[3];
-        }
-    }
-
-    fn accelerate_by_pressure(&mut self, dt: f64) {
-        let dt = dt as f32;
-        self.velocities.par_chunks_mut(CHUNK).zip(self.accelerations.par_chunks(CHUNK)).for_each(|(v, a)| {
-            for (v, a) in v.iter_mut().zip(a) {
-                for axis in 0..3 {
-                    v[axis] += dt * a[axis];
-                }
-            }
-        });
-    }
-
-    fn add_viscosity_and_gravity(
-        &mut self,
-        with: Discretization,
-        neighbours: &Neighbours,
-        fluid: &FluidSettings,
-        gravity: [f32; 3],
-        dt: f64,
-    ) {
-        let pairs = Pairs {
-            kernel: with.kernel,
-            support_radius: with.support_radius,
-            volume: with.volume,
-            places: &self.places,
-        };
-        let (dt, nu, xsph) = (dt as f32, fluid.viscosity as f32, fluid.xsph as f32);
-        let velocities = &self.velocities;
-        self.accelerations.resize(velocities.len(), [0.0; 4]);
-        self.accelerations.par_chunks_mut(CHUNK).zip(neighbours.chunks()).for_each(|(out, lists)| {
-            let mut sums = [[[0.0; 3]; 2]; CHUNK];
-            let sums = &mut sums[..lists.len()];
-            pairs.viscosity(lists, velocities, sums);
-            for (out, [laplacian, mean]) in out.iter_mut().zip(sums) {
-                for axis in 0..3 {
-                    out[axis] = gravity[axis] + nu * laplacian[axis] + xsph / dt * mean[axis];
-                }
-            }
-        });
-        self.accelerate_by_pressure(dt.into());
-    }
+    let min = points.iter().fold(DVec3::INFINITY, |min, &x| min.min(x));
+    let max = points.iter().fold(DVec3::NEG_INFINITY, |max, &x| max.max(x));
+    let margin = DVec3::splat((max - min).length());
+    [min - margin, max + margin]
 }

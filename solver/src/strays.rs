@@ -1,0 +1,70 @@
+//! Particles where none may be: in a body, or out of the domain. Counted, brought back or removed, never in silence.
+//!
+//! A particle in a body is moved towards the surface, a little in every step, and loses the part of its velocity that
+//! leads deeper: so it gains no energy. The way out is along the normal, or, deeper than the map's band, along the
+//! shortest of 26 rays.
+
+use crate::bodies::Bodies;
+use crate::boundary::Inside;
+use crate::particles::Particles;
+use volmap_runtime::{DVec3, PosedMap, Sample};
+
+/// A particle is moved by at most this part of its radius in a step.
+const PART_OF_RADIUS: f64 = 0.5;
+/// How far the way out is looked for, in support radii, and in which steps.
+const LONGEST_RAY: u32 = 64;
+const RAY_STEP: f64 = 1.0;
+
+/// Moves particles that are in bodies towards the surface. `inside` are those at the beginning of the step.
+pub fn bring_back<'a>(
+    particles: &mut Particles,
+    inside: impl Iterator<Item = &'a Inside>,
+    bodies: &Bodies,
+    particle_radius: f64,
+) {
+    for &Inside { particle, body, way_out } in inside {
+        let (particle, body) = (particle as usize, body as usize);
+        let position = particles.positions[particle];
+        let Some(way) = way_out.or_else(|| shortest_way(&bodies.posed()[body], position)) else { continue };
+        let Some(direction) = way.try_normalize() else { continue };
+        let length = way.length().min(PART_OF_RADIUS * particle_radius);
+        particles.positions[particle] = position + length * direction;
+        let own = DVec3::from_array(particles.velocities[particle].map(f64::from));
+        let deeper = (own - bodies.velocity_at(body, position)).dot(direction).min(0.0);
+        particles.velocities[particle] = (own - deeper * direction).as_vec3().to_array();
+    }
+}
+
+/// From a point deep in a body to its surface.
+fn shortest_way(map: &PosedMap, point: DVec3) -> Option<DVec3> {
+    let step = RAY_STEP * map.map.support_radius();
+    let rays: Vec<DVec3> = (0..27)
+        .filter(|&i| i != 13)
+        .map(|i| DVec3::new((i % 3 - 1) as f64, (i / 3 % 3 - 1) as f64, (i / 9 - 1) as f64).normalize())
+        .collect();
+    // All rays grow together: the first that meets the band is the shortest.
+    (1..=LONGEST_RAY).find_map(|count| {
+        let found = rays.iter().filter_map(|&ray| {
+            let way = f64::from(count) * step * ray;
+            match map.sample(point + way) {
+                Sample::Near(near) => Some(way - near.distance * near.normal),
+                Sample::Outside => Some(way),
+                Sample::DeepInside => None,
+            }
+        });
+        found.min_by(|a, b| a.length_squared().total_cmp(&b.length_squared()))
+    })
+}
+
+/// Removes the particles out of a box; how many there were.
+pub fn remove_outside(particles: &mut Particles, [min, max]: [DVec3; 2]) -> usize {
+    let within = |x: &DVec3| x.cmpge(min).all() && x.cmple(max).all();
+    if particles.positions.iter().all(within) {
+        return 0;
+    }
+    let count = particles.len();
+    let kept: Vec<u32> =
+        (0..count).filter(|&i| within(&particles.positions[i])).map(|i| i as u32).collect();
+    particles.reorder(&kept);
+    count - kept.len()
+}
