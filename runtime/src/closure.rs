@@ -122,7 +122,8 @@ const PROBE_DEPTH: f64 = 0.25;
 /// 120 degrees 0.13. Below it the exponent is led over to that of a ball.
 const PROBE_EDGE: f64 = 0.15;
 
-/// Part of an edge's volume deficit below which a probe isn't worth its time: the exponents differ by 3 % of the way.
+/// Part of an edge's volume deficit below which a probe isn't worth its time: there the exponents differ by less than 3 %
+/// of the way, the densities by 0.2 %.
 const PROBE_FROM: f64 = 0.1;
 
 /// A closure for one kernel and particle size.
