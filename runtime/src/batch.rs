@@ -93,6 +93,31 @@ impl Answer for Sample {
     }
 }
 
+impl Answer for (Sample, DVec3) {
+    #[inline(always)]
+    fn outside(_: &VolumeMap) -> (Sample, DVec3) {
+        (Sample::Outside, DVec3::ZERO)
+    }
+
+    #[inline(always)]
+    fn deep_inside(_: &VolumeMap) -> (Sample, DVec3) {
+        (Sample::DeepInside, DVec3::ZERO)
+    }
+
+    #[inline(always)]
+    fn near<V: Lanes>(map: &VolumeMap, at: &Evaluated<V>, which: &[u32], out: &mut [(Sample, DVec3)]) {
+        let mut samples = [Sample::Outside; LANES];
+        let lanes = [0, 1, 2, 3];
+        <Sample as Answer>::near(map, at, &lanes[..which.len()], &mut samples);
+        let slope = at.volume.gradient(&at.weights);
+        let slope = [slope[0].array(), slope[1].array(), slope[2].array()];
+        for (lane, &point) in which.iter().enumerate() {
+            let gradient = map.per_cell * DVec3::new(slope[0][lane], slope[1][lane], slope[2][lane]);
+            out[point as usize] = (samples[lane], gradient);
+        }
+    }
+}
+
 impl Answer for Option<Density> {
     #[inline(always)]
     fn outside(_: &VolumeMap) -> Option<Density> {
@@ -461,6 +486,12 @@ mod tests {
             answer_all(&map, &points, &mut wide);
             All { map: &map, points: &points, out: &mut others }.run::<Plain>();
             assert_eq!(format!("{wide:?}"), format!("{others:?}"));
+            let mut sloped = vec![(Sample::Outside, DVec3::ZERO); points.len()];
+            let mut others = sloped.clone();
+            answer_all(&map, &points, &mut sloped);
+            All { map: &map, points: &points, out: &mut others }.run::<Plain>();
+            assert_eq!(format!("{sloped:?}"), format!("{others:?}"));
+            assert!(sloped.iter().map(|both| both.0).eq(plain.iter().copied()));
             for (&point, &expected) in points.iter().zip(&plain) {
                 let mut alone = Sample::Outside;
                 All { map: &map, points: &[point], out: std::slice::from_mut(&mut alone) }.run::<Plain>();

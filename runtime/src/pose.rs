@@ -59,6 +59,22 @@ impl PosedMap {
         }
     }
 
+    /// [`VolumeMap::sample_with_gradient`] of a point of the world, answered in the world.
+    pub fn sample_with_gradient(&self, point: DVec3) -> (Sample, DVec3) {
+        let (sample, gradient) = self.map.sample_with_gradient(self.pose.to_map(point));
+        (self.in_world(point, sample), self.pose.rotation * gradient)
+    }
+
+    /// [`VolumeMap::sample_with_gradient_batch`] of points of the world.
+    pub fn sample_with_gradient_batch(&self, points: &[DVec3], samples: &mut Vec<(Sample, DVec3)>) {
+        samples.resize(points.len(), (Sample::Outside, DVec3::ZERO));
+        self.in_blocks(points, samples);
+        for (&point, (sample, gradient)) in points.iter().zip(samples) {
+            *sample = self.in_world(point, *sample);
+            *gradient = self.pose.rotation * *gradient;
+        }
+    }
+
     /// [`VolumeMap::values`] of a point of the world.
     pub fn values(&self, point: DVec3) -> Values {
         self.map.values(self.pose.to_map(point))

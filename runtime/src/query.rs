@@ -79,6 +79,20 @@ impl VolumeMap {
         answer_all(self, points, samples);
     }
 
+    /// [`VolumeMap::sample`], and the gradient of the volume, m^2 (0 where the boundary isn't near): that of the
+    /// interpolated volume, which jumps a little between cells.
+    pub fn sample_with_gradient(&self, point: DVec3) -> (Sample, DVec3) {
+        let mut out = (Sample::Outside, DVec3::ZERO);
+        answer_all(self, &[point], std::slice::from_mut(&mut out));
+        out
+    }
+
+    /// [`VolumeMap::sample_with_gradient`] of every point, into `samples`, whose old content is dropped.
+    pub fn sample_with_gradient_batch(&self, points: &[DVec3], samples: &mut Vec<(Sample, DVec3)>) {
+        samples.resize(points.len(), (Sample::Outside, DVec3::ZERO));
+        answer_all(self, points, samples);
+    }
+
     /// Distance and volume at a point.
     pub fn values(&self, point: DVec3) -> Values {
         let mut out = Values::default();

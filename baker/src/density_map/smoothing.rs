@@ -1,27 +1,25 @@
-//! SPH kernels W that are baked into a density map, of compact support and integral 1.
+//! SPH kernels W that a density map may be baked for: those of the runtime that the asset has a name for.
 
-use std::f64::consts::PI;
 use std::fmt;
 use std::str::FromStr;
+use volmap_runtime::KernelKind;
 
 /// Which kernel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Smoothing {
-    /// Cubic spline: Monaghan 2005, *Smoothed Particle Hydrodynamics*, in the form of Koschier et al. 2019, Eq. 4.
+    /// Cubic spline.
     #[default]
     CubicSpline,
-    /// C2: Wendland 1995; Dehnen and Aly 2012, Table 1.
+    /// Wendland C2.
     WendlandC2,
 }
 
 impl Smoothing {
     /// W at distance q from the centre, for support radius 1 (so, with q = |xi| / r, r^3 W).
     pub fn value(self, q: f64) -> f64 {
-        let rest = (1.0 - q).max(0.0);
         match self {
-            Smoothing::CubicSpline if q <= 0.5 => 8.0 / PI * (6.0 * (q * q * q - q * q) + 1.0),
-            Smoothing::CubicSpline => 16.0 / PI * rest.powi(3),
-            Smoothing::WendlandC2 => 10.5 / PI * rest.powi(4) * (4.0 * q + 1.0),
+            Smoothing::CubicSpline => KernelKind::CubicSpline.unit_value(q),
+            Smoothing::WendlandC2 => KernelKind::WendlandC2.unit_value(q),
         }
     }
 }
@@ -51,6 +49,7 @@ impl FromStr for Smoothing {
 mod tests {
     use super::*;
     use crate::volume_map::quadrature::gauss_legendre;
+    use std::f64::consts::PI;
 
     #[test]
     fn kernels_have_integral_1_and_end_smoothly() {

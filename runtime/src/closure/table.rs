@@ -18,6 +18,18 @@ impl<const N: usize> Table<N> {
         Table { low, per_step: 1.0 / step, nodes: (0..=intervals).map(node).collect() }
     }
 
+    /// Keeps function `n`, which falls everywhere, from undershooting where it comes to its end as a high power: Fritsch
+    /// and Carlson 1980, *Monotone Piecewise Cubic Interpolation*.
+    pub fn limit(mut self, n: usize) -> Table<N> {
+        let values: Vec<f64> = self.nodes.iter().map(|node| node[n][0]).collect();
+        for (interval, rise) in values.windows(2).map(|pair| pair[1] - pair[0]).enumerate() {
+            for node in &mut self.nodes[interval..interval + 2] {
+                node[n][1] = node[n][1].max(3.0 * rise);
+            }
+        }
+        self
+    }
+
     /// Values and derivatives at `x`; those of the nearer end beyond the ends (and of the lower one for NaN).
     #[inline]
     pub fn at(&self, x: f64) -> [[f64; 2]; N] {

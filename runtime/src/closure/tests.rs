@@ -136,8 +136,8 @@ fn density_grows_inwards_and_pushes_out() {
     for kind in KernelKind::ALL {
         for closure in ClosureKind::ALL.map(|it| Closure::new(it, kernel(kind), PARTICLE)) {
             let mut last: Option<BoundaryDensity> = None;
-            for n in 0..2900 {
-                let d = RADIUS * (0.9 - f64::from(n) * 0.001);
+            for n in 0..3000 {
+                let d = RADIUS * (1.0 - f64::from(n) * 0.001);
                 let (boundary, position) = wall(d);
                 let Some(at) = closure.density(&boundary, position) else { continue };
                 assert!(at.gradient.z <= 0.0, "{} {kind} at {d}", closure.kind());
@@ -187,4 +187,84 @@ fn names_are_read_back() {
         assert_eq!(kind.to_string().parse(), Ok(kind));
     }
     assert!("magic".parse::<ClosureKind>().unwrap_err().contains("calibrated"));
+}
+
+#[test]
+fn lattice_rests_in_layers() {
+    let spacing = 2.0 * PARTICLE;
+    for kind in KernelKind::ALL {
+        let (kernel, closure) = (kernel(kind), Closure::new(ClosureKind::Lattice, kernel(kind), PARTICLE));
+        // The full lattice; of a column's layers 0, 1, .. at rp, 3 rp, .. above the wall the fluid's share at layer n.
+        let sum = |layers: std::ops::RangeInclusive<i32>| {
+            let mut sum = (0.0, 0.0);
+            for (i, j) in (-3..=3).flat_map(|i| (-3..=3).map(move |j| (i, j))) {
+                for away in layers.clone().map(|k| spacing * DVec3::new(i.into(), j.into(), (-k).into())) {
+                    let distance = away.length();
+                    let along = if distance > 0.0 { away.z / distance } else { 0.0 };
+                    sum.0 += spacing.powi(3) * kernel.value(distance);
+                    sum.1 += spacing.powi(3) * kernel.derivative(distance) * along;
+                }
+            }
+            sum
+        };
+        let full = sum(-4..=4).0;
+        if kind == KernelKind::CubicSpline {
+            assert!((full - 1.0).abs() < 2e-4, "{full}");
+        }
+        for layer in 0..3 {
+            let fluid = sum(-layer..=4);
+            let (boundary, position) = wall(f64::from(2 * layer + 1) * PARTICLE);
+            let at = closure.density(&boundary, position);
+            let (density, slope) = at.map_or((0.0, 0.0), |at| (at.density, at.gradient.z));
+            assert!((fluid.0 + density - full).abs() < 1e-7, "{kind} {layer}: {}", fluid.0 + density - full);
+            assert!((fluid.1 + slope).abs() < 1e-4, "{kind} {layer}: {} {slope}", fluid.1);
+        }
+    }
+}
+
+#[test]
+fn fine_lattice_is_a_continuum() {
+    for kind in KernelKind::ALL {
+        for d in distances(0.0, 1.0) {
+            let [value, slope] = lattice::density(kind, 1.0 / 24.0, d).unwrap();
+            let [exact, exact_slope] = plane::density(kind, d);
+            assert!(
+                (value - exact).abs() < 4e-3 && (slope - exact_slope).abs() < 4e-2,
+                "{kind} at {d}: {value} {exact}"
+            );
+        }
+    }
+    for wrong in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-9] {
+        assert_eq!(lattice::density(KernelKind::Poly6, wrong, 0.1), None);
+    }
+}
+
+/// Density as a function of place for any field of volumes, against the gradient that is returned.
+#[test]
+fn true_gradient_is_that_of_the_density() {
+    let (volume, normal) = (DVec3::new(0.002, -0.001, -0.009), DVec3::new(0.0, 0.6, 0.8));
+    for closure in
+        ClosureKind::ALL[2..].iter().map(|&it| Closure::new(it, kernel(KernelKind::WendlandC2), PARTICLE))
+    {
+        for (d, v) in [(0.012, 0.0017), (0.04, 0.0008), (0.07, 0.0006), (-0.01, 0.0018), (0.03, 0.0013)] {
+            let at = |shift: DVec3| {
+                let boundary = Boundary {
+                    distance: d + normal.dot(shift),
+                    normal,
+                    closest_point: DVec3::ZERO,
+                    volume: v + volume.dot(shift),
+                };
+                closure.density_with_gradient(&boundary, volume, shift).unwrap()
+            };
+            let exact = at(DVec3::ZERO).gradient;
+            for axis in DVec3::AXES {
+                let difference = (at(1e-6 * axis).density - at(-1e-6 * axis).density) / 2e-6;
+                assert!(
+                    (exact.dot(axis) - difference).abs() < 1e-4,
+                    "{} at {d}: {exact} {difference}",
+                    closure.kind()
+                );
+            }
+        }
+    }
 }
