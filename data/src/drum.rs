@@ -1,7 +1,8 @@
-//! A closed drum with baffles, to be baked inverted and turned about its axis, as a mixer or a washing machine.
+//! A closed drum with baffles, to be baked inverted and turned about its axis, as a mixer or a washing
+//! machine.
 //!
-//! Its section is a regular polygon, whose corners come from half angles: sin and cos of pi/16 by square roots alone.
-//! A few of its sides are wedges that point to the axis and carry the water up.
+//! Its section is a regular polygon, whose corners come from half angles: sin and cos of pi/16 by square
+//! roots alone. A few of its sides are wedges that point to the axis and carry the water up.
 
 use glam::{DVec2, DVec3};
 

@@ -3,8 +3,8 @@
 //!
 //! The way of a smooth shape: [`duck`] describes a solid as an implicit function built from [`solids`],
 //! [`surface`] meshes its zero set, [`improve`] makes the triangles well shaped. [`canyon`] is a height field
-//! over [`noise`], [`lattice`] and [`tank`] are made of boxes, [`drum`] is a prism, [`damaged`] breaks a good mesh in a known way.
-//! [`topology`] counts what is wrong with a mesh, [`obj`] writes it.
+//! over [`noise`], [`lattice`] and [`tank`] are made of boxes, [`drum`] is a prism, [`damaged`] breaks a good
+//! mesh in a known way. [`topology`] counts what is wrong with a mesh, [`obj`] writes it.
 //!
 //! Guarantee: everything is computed with `+ - * /` and the square root, which IEEE 754 rounds exactly, and
 //! with integers. No sine, power or logarithm is called, whose last bits differ between platforms.

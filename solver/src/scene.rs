@@ -3,9 +3,9 @@
 //! ```text
 //! file -> read (keys, types) -> check (ranges) -> Scene -> prepare: maps, sources -> Prepared
 //! ```
-//! The boundaries are those of Bender et al. 2020, *Implicit Frictional Boundary Handling for SPH*; the scene's
-//! concepts follow the papers' own program. A [`Scene`] can be made in Rust as well as by [`load`]: [`prepare`] checks
-//! it either way. SI units throughout, y up as a rule.
+//! The boundaries are those of Bender et al. 2020, *Implicit Frictional Boundary Handling for SPH*; the
+//! scene's concepts follow the papers' own program. A [`Scene`] can be made in Rust as well as by [`load`]:
+//! [`prepare()`] checks it either way. SI units throughout, y up as a rule.
 
 pub mod body;
 mod check;
@@ -41,8 +41,8 @@ use std::path::PathBuf;
 /// The version of the format that this program reads.
 pub const VERSION: u32 = 1;
 
-/// A scene for volmap-sim, version 1. Lengths in metres, times in seconds, masses in kilograms, angles in degrees;
-/// files are named relative to the scene's own file.
+/// A scene for volmap-sim, version 1. Lengths in metres, times in seconds, masses in kilograms, angles in
+/// degrees; files are named relative to the scene's own file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "volmap scene")]

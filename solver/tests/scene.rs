@@ -149,7 +149,7 @@ fn values_out_of_range_are_named_and_placed() {
             "0.25\nrestitution = 2",
             "s.toml:20:1: bodies[1].material.restitution: 2 is not within 0 to 1",
         ),
-        ("map = \"duck.h5\"\n", "", "s.toml:14:3: bodies[1]: give `map`, an asset, or `mesh`"),
+        ("map = \"duck.h5\"\n", "", "s.toml:14:1: bodies[1]: give `map`, an asset, or `mesh`"),
         ("map = \"duck.h5\"", "map = \"a\"\nmesh = \"b\"", "bodies[1].mesh: give `map` or `mesh`, not both"),
         ("map = \"duck.h5\"", "map = \"a\"\nbake = { invert = true }", "bodies[1].bake: is for meshes"),
         ("scale = 2", "scale = [1, 0, 1]", "s.toml:12:25: bodies[0].bake.scale: is 0"),

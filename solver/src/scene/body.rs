@@ -71,7 +71,8 @@ pub enum Motion {
     /// Not at all.
     #[default]
     Static,
-    /// From pose to pose, linearly and along the shortest rotation; at rest before the first and after the last.
+    /// From pose to pose, linearly and along the shortest rotation; at rest before the first and after the
+    /// last.
     Keyframes(Vec<Keyframe>),
     /// At a constant rate about an axis.
     Spin(Spin),

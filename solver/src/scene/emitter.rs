@@ -5,8 +5,8 @@ use super::lattice;
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
-/// A nozzle at work. It is deterministic and doesn't depend on the steps: layer k is due at start + k 2 rp / speed, and
-/// lies where the flow has carried it since.
+/// A nozzle at work. It is deterministic and doesn't depend on the steps: layer k is due at start + k 2 rp /
+/// speed, and lies where the flow has carried it since.
 #[derive(Clone, Debug)]
 pub struct Emitter {
     /// Velocity of what leaves it, m/s.

@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use volmap_runtime::Pose;
 
-/// A box of particles on a cubic lattice of spacing 2 rp; the first lie rp from the faces of `min`. What is left of an
-/// edge that is no multiple of 2 rp stays empty at `max`.
+/// A box of particles on a cubic lattice of spacing 2 rp; the first lie rp from the faces of `min`. What is
+/// left of an edge that is no multiple of 2 rp stays empty at `max`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Block {
@@ -23,8 +23,8 @@ pub struct Block {
     pub velocity: [f64; 3],
 }
 
-/// A solid filled with particles: a cubic lattice of spacing 2 rp along the world's axes, of which the points at least
-/// rp deep in the solid are taken. A container (an inverted map) is filled with what it can hold.
+/// A solid filled with particles: a cubic lattice of spacing 2 rp along the world's axes, of which the points
+/// at least rp deep in the solid are taken. A container (an inverted map) is filled with what it can hold.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Fill {

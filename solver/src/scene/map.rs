@@ -11,7 +11,8 @@ use volmap_formats::asset::{self, Compression, Exterior, FORMAT_VERSION};
 use volmap_formats::mesh::{self, Placement, TriangleMesh, UpAxis};
 use volmap_runtime::VolumeMap;
 
-/// Part by which a map's support radius may differ from the scene's: other programs store it in single precision.
+/// Part by which a map's support radius may differ from the scene's: other programs store it in single
+/// precision.
 const SAME_RADIUS: f64 = 1e-6;
 
 /// A map and, if it comes from one, its mesh.
@@ -61,7 +62,8 @@ impl<'a> Library<'a> {
         Library { support_radius, cache, shapes: Vec::new(), notes: Vec::new(), on_bake }
     }
 
-    /// The map of a source; `key` is the scene's name for it, as `bodies[0]`. The same source gives the same map.
+    /// The map of a source; `key` is the scene's name for it, as `bodies[0]`. The same source gives the same
+    /// map.
     ///
     /// # Errors
     /// A file that is missing or can't be used; a mesh that can't be baked.

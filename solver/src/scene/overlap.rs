@@ -5,8 +5,8 @@ use glam::{DVec3, IVec3};
 use std::collections::HashMap;
 use volmap_runtime::{PosedMap, Values};
 
-/// Closer to a body than this part of rp, a particle is taken away. A map says 0.25 rp of a particle that touches the
-/// three walls of a tank's corner, if its cells have half the support radius: that one must stay.
+/// Closer to a body than this part of rp, a particle is taken away. A map says 0.25 rp of a particle that
+/// touches the three walls of a tank's corner, if its cells have half the support radius: that one must stay.
 pub const BODY_MARGIN: f64 = 0.2;
 /// Points that are asked for at a time.
 const BLOCK: usize = 4096;

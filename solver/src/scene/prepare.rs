@@ -51,7 +51,8 @@ impl PreparedBody {
     }
 }
 
-/// Checks a scene, opens or bakes its maps, places its particles. `on_bake` hears of each mesh before it is baked.
+/// Checks a scene, opens or bakes its maps, places its particles. `on_bake` hears of each mesh before it is
+/// baked.
 ///
 /// # Errors
 /// A value that can't be used, a file that is missing or damaged, a map of another support radius, no fluid.

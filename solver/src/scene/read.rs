@@ -144,10 +144,9 @@ fn nearest<'a>(name: &str, known: &[&'a str]) -> Vec<&'a str> {
     let plain = |word: &str| word.to_lowercase().replace('-', "_");
     let name = plain(name);
     let distance = |word: &&&str| strsim::damerau_levenshtein(&name, &plain(word));
-    if let Some(closest) = known.iter().min_by_key(distance) {
-        if 3 * distance(&closest) <= name.len().max(closest.len()) {
-            return vec![closest];
-        }
+    let closest = known.iter().min_by_key(distance);
+    if let Some(closest) = closest.filter(|word| 3 * distance(word) <= name.len().max(word.len())) {
+        return vec![closest];
     }
     let related =
         |word: &&str| name.len() > 3 && (plain(word).contains(&name) || name.contains(&plain(word)));

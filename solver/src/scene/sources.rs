@@ -23,8 +23,8 @@ const BLOCK: usize = 4096;
 pub struct Solid {
     /// Its map, placed.
     pub map: PosedMap,
-    /// Its mesh in the map's frame, if there is one. A map is less exact in the corners of a box, where a particle
-    /// should lie.
+    /// Its mesh in the map's frame, if there is one. A map is less exact in the corners of a box, where a
+    /// particle should lie.
     pub mesh: Option<MeshDistance>,
     /// Offset of the map's surface from the mesh, out of the solid, metres.
     pub thickness: f64,
@@ -56,7 +56,8 @@ pub struct SourceCount {
     pub outside: u64,
 }
 
-/// Particles of all blocks and fills. `solids` holds the solid of each fill, `bodies` the placed map of each body.
+/// Particles of all blocks and fills. `solids` holds the solid of each fill, `bodies` the placed map of each
+/// body.
 ///
 /// # Errors
 /// More particles than can be.
@@ -107,9 +108,9 @@ fn check_total(sources: &[(String, DVec3, Vec<DVec3>)]) -> Result<(), Error> {
     }
 }
 
-/// Points of a lattice about the map's middle that have room in the solid. Of the eight ways to put the middle on a
-/// point or between two, along each axis, the one that holds most is taken: a box of whole spacings is filled to its
-/// walls.
+/// Points of a lattice about the map's middle that have room in the solid. Of the eight ways to put the
+/// middle on a point or between two, along each axis, the one that holds most is taken: a box of whole
+/// spacings is filled to its walls.
 fn fill_solid(fill: &Fill, solid: &Solid, rp: f64) -> Result<Vec<DVec3>, String> {
     let body = &solid.map;
     let grid = body.map.grid();

@@ -103,7 +103,7 @@ pub fn info(path: &Path) -> Result<Summary, Error> {
 /// Reads a scene, opens or bakes its maps and places its particles: whatever a run could refuse is told here.
 ///
 /// # Errors
-/// As [`load`] and [`prepare`].
+/// As [`load`] and [`prepare()`].
 pub fn check(path: &Path, on_bake: &mut dyn FnMut(&Path)) -> Result<Summary, Error> {
     let scene = load(path)?;
     let prepared = prepare(&scene, on_bake)?;
