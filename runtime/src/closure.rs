@@ -16,8 +16,10 @@
 //!   ([`Closure::density_probing`]).
 //! - `lattice`: as `calibrated`, R being what a half space of particles on a lattice adds instead of a continuum
 //!   ([`lattice`]), so that a fluid's layers rest at rp, 3 rp, ..
+//! - `mirror`: as `wedge`, R being what the fluid's mirror image adds ([`mirror`]): value, slope and mirrored pressure
+//!   belong together, so that a fluid comes to rest, at rp from walls and calmly.
 //!
-//! The gradient of these three is that along the normal, at constant V / V_plane; with the gradient of V, which the map
+//! The gradient of these is that along the normal, at constant V / V_plane; with the gradient of V, which the map
 //! gives too, it is the true one ([`Closure::density_with_gradient`]).
 //!
 //! The map is the same for all kernels and closures; tables are computed when a [`Closure`] is made, which takes
@@ -28,14 +30,16 @@
 //! `calibrated` continues R along its tangent.
 
 mod lattice;
+mod mirror;
 mod plane;
 pub(crate) mod quadrature;
 mod table;
 mod wedge;
 
-use crate::kernel::Kernel;
+use crate::kernel::{Kernel, KernelKind};
 use crate::query::{Boundary, Sample};
 use glam::DVec3;
+use mirror::Mirror;
 use std::fmt;
 use std::str::FromStr;
 use table::Table;
@@ -54,16 +58,19 @@ pub enum ClosureKind {
     Wedge,
     /// As `Calibrated`, for fluids whose particles lie in layers.
     Lattice,
+    /// As `Wedge`, from the fluid's mirror image.
+    Mirror,
 }
 
 impl ClosureKind {
     /// All of them.
-    pub const ALL: [ClosureKind; 5] = [
+    pub const ALL: [ClosureKind; 6] = [
         ClosureKind::Paper,
         ClosureKind::Offset,
         ClosureKind::Calibrated,
         ClosureKind::Wedge,
         ClosureKind::Lattice,
+        ClosureKind::Mirror,
     ];
 
     fn name(self) -> &'static str {
@@ -73,6 +80,7 @@ impl ClosureKind {
             ClosureKind::Calibrated => "calibrated",
             ClosureKind::Wedge => "wedge",
             ClosureKind::Lattice => "lattice",
+            ClosureKind::Mirror => "mirror",
         }
     }
 }
@@ -166,11 +174,11 @@ impl Closure {
     /// The kernel's support radius must be that of the maps it is used with.
     pub fn new(kind: ClosureKind, kernel: Kernel, particle_radius: f64) -> Closure {
         let radius = kernel.support_radius();
-        let particle = if kind == ClosureKind::Lattice { particle_radius / radius } else { 0.0 };
+        let wall = WallDensity::new(kind, kernel.kind(), particle_radius / radius);
         let plane = Table::new(-2.0, 1.0, 3 * PER_RADIUS, |d| {
             let [volume, slope] = plane::volume(d);
             [
-                density_at_rest(kernel, particle, d),
+                wall.at(d),
                 [volume.ln(), slope / volume],
                 exponent_of_plane(kernel, d),
             ]
@@ -186,7 +194,7 @@ impl Closure {
             per_radius: 1.0 / radius,
             log_unit: -3.0 * radius.ln(),
             plane: plane.limit(0),
-            edges: (kind == ClosureKind::Wedge).then(edges),
+            edges: matches!(kind, ClosureKind::Wedge | ClosureKind::Mirror).then(edges),
         }
     }
 
@@ -271,7 +279,7 @@ impl Closure {
         match self.kind {
             ClosureKind::Paper => Some(self.paper(boundary)),
             ClosureKind::Offset => self.offset(boundary, position),
-            ClosureKind::Calibrated | ClosureKind::Wedge | ClosureKind::Lattice => {
+            ClosureKind::Calibrated | ClosureKind::Wedge | ClosureKind::Lattice | ClosureKind::Mirror => {
                 let wall = self.wall(boundary, || sharpness(boundary));
                 Some(self.calibrated(boundary, &wall, volume_gradient))
             }
@@ -358,13 +366,34 @@ fn towards_edge(
     }
 }
 
-/// R and R' of a continuum, or, with a particle radius > 0 (in support radii), of a lattice; inside the solid along the
-/// tangent at its surface.
-fn density_at_rest(kernel: Kernel, particle_radius: f64, d: f64) -> [f64; 2] {
-    let outside = d.max(0.0);
-    let [value, slope] = lattice::density(kernel.kind(), particle_radius, outside)
-        .unwrap_or_else(|| plane::density(kernel.kind(), outside));
-    [value + slope * d.min(0.0), slope]
+/// R of a flat wall over the distance, in support radii.
+enum WallDensity {
+    Continuum(KernelKind),
+    /// Kernel and particle radius.
+    Lattice(KernelKind, f64),
+    Mirror(Mirror),
+}
+
+impl WallDensity {
+    fn new(kind: ClosureKind, kernel: KernelKind, particle_radius: f64) -> WallDensity {
+        match kind {
+            ClosureKind::Lattice => WallDensity::Lattice(kernel, particle_radius),
+            ClosureKind::Mirror => WallDensity::Mirror(Mirror::new(kernel, particle_radius)),
+            _ => WallDensity::Continuum(kernel),
+        }
+    }
+
+    /// R and R'; in the solid along a tangent.
+    fn at(&self, d: f64) -> [f64; 2] {
+        let outside = d.max(0.0);
+        let [value, slope] = match self {
+            WallDensity::Mirror(mirror) => return mirror.density(d),
+            WallDensity::Continuum(kernel) => plane::density(*kernel, outside),
+            WallDensity::Lattice(kernel, radius) => lattice::density(*kernel, *radius, outside)
+                .unwrap_or_else(|| plane::density(*kernel, outside)),
+        };
+        [value + slope * d.min(0.0), slope]
+    }
 }
 
 /// beta and its derivative.

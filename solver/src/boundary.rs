@@ -5,7 +5,7 @@
 use crate::bodies::Bodies;
 use crate::neighbours::CHUNK;
 use rayon::prelude::*;
-use volmap_runtime::{Closure, DVec3, Sample};
+use volmap_runtime::{Closure, DVec3, PosedMap, Sample};
 
 /// All bodies together, as one particle sees them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -59,7 +59,7 @@ pub struct Boundary {
 struct ChunkContacts {
     contacts: Vec<Contact>,
     inside: Vec<Inside>,
-    samples: Vec<Sample>,
+    samples: Vec<(Sample, DVec3)>,
 }
 
 impl Boundary {
@@ -100,28 +100,33 @@ impl Boundary {
 impl ChunkContacts {
     fn touch(&mut self, bodies: &Bodies, body: usize, closure: &Closure, chunk: (usize, &[DVec3])) {
         let (first, positions) = chunk;
-        bodies.posed()[body].sample_batch(positions, &mut self.samples);
-        for (within, (sample, &position)) in self.samples.iter().zip(positions).enumerate() {
+        let map: &PosedMap = &bodies.posed()[body];
+        map.sample_with_gradient_batch(positions, &mut self.samples);
+        for (within, ((sample, volume_gradient), &position)) in self.samples.iter().zip(positions).enumerate() {
             let particle = (first + within) as u32;
             let inside = |way_out| Inside { particle, body: body as u32, way_out };
-            match sample {
-                Sample::Outside => (),
-                Sample::DeepInside => self.inside.push(inside(None)),
-                Sample::Near(near) => {
-                    if near.distance < 0.0 {
-                        self.inside.push(inside(Some(-near.distance * near.normal)));
-                    }
-                    if let Some(density) = closure.density(near, position) {
-                        self.contacts.push(Contact {
-                            particle,
-                            body: body as u32,
-                            density: density.density as f32,
-                            gradient: density.gradient.as_vec3().to_array(),
-                            point: density.point,
-                            velocity: bodies.velocity_at(body, density.point),
-                        });
-                    }
+            let near = match sample {
+                Sample::Outside => continue,
+                Sample::DeepInside => {
+                    self.inside.push(inside(None));
+                    continue;
                 }
+                Sample::Near(near) => near,
+            };
+            if near.distance < 0.0 {
+                self.inside.push(inside(Some(-near.distance * near.normal)));
+            }
+            let distance = |point| map.values(point).distance;
+            static G: std::sync::LazyLock<bool> = std::sync::LazyLock::new(|| std::env::var("NORMAL").is_err());
+            if let Some(density) = closure.density_probing(near, G.then_some(*volume_gradient), position, distance) {
+                self.contacts.push(Contact {
+                    particle,
+                    body: body as u32,
+                    density: density.density as f32,
+                    gradient: density.gradient.as_vec3().to_array(),
+                    point: density.point,
+                    velocity: bodies.velocity_at(body, density.point),
+                });
             }
         }
     }

@@ -37,6 +37,7 @@ use check::{At, Checked};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
+use volmap_runtime::{ClosureKind, KernelKind};
 
 /// The version of the format that this program reads.
 pub const VERSION: u32 = 1;
@@ -120,8 +121,38 @@ pub enum Closure {
     /// The volume at a point moved away from the particle, as SPlisHSPlasH has it.
     Offset,
     /// Exact at planes and, to first order, at curved surfaces.
-    #[default]
     Calibrated,
+    /// As `calibrated`, and close to exact at convex edges.
+    Wedge,
+    /// As `calibrated`, from a lattice of particles in the wall.
+    Lattice,
+    /// From the fluid's mirror image: particles rest at one particle radius from a wall, calmly.
+    #[default]
+    Mirror,
+}
+
+impl From<Kernel> for KernelKind {
+    fn from(kernel: Kernel) -> KernelKind {
+        match kernel {
+            Kernel::CubicSpline => KernelKind::CubicSpline,
+            Kernel::WendlandC2 => KernelKind::WendlandC2,
+            Kernel::Spiky => KernelKind::Spiky,
+            Kernel::Poly6 => KernelKind::Poly6,
+        }
+    }
+}
+
+impl From<Closure> for ClosureKind {
+    fn from(closure: Closure) -> ClosureKind {
+        match closure {
+            Closure::Paper => ClosureKind::Paper,
+            Closure::Offset => ClosureKind::Offset,
+            Closure::Calibrated => ClosureKind::Calibrated,
+            Closure::Wedge => ClosureKind::Wedge,
+            Closure::Lattice => ClosureKind::Lattice,
+            Closure::Mirror => ClosureKind::Mirror,
+        }
+    }
 }
 
 fn default_gravity() -> [f64; 3] {
@@ -168,6 +199,8 @@ impl Scene {
         World {
             particle_radius: self.particle_radius,
             support_radius: self.support_radius(),
+            kernel: self.kernel.into(),
+            closure: self.closure.into(),
             gravity: self.gravity.into(),
         }
     }

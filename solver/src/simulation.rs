@@ -15,7 +15,7 @@ use crate::stages::Stages;
 use crate::strays;
 use crate::time_step::time_step;
 use rayon::prelude::*;
-use volmap_runtime::{Closure, DVec3, Kernel};
+use volmap_runtime::{Closure, ClosureKind, DVec3, Kernel};
 
 /// What a simulation begins with. Numbers must be finite and in range: see [`crate::scene`].
 pub struct Setup {
@@ -83,9 +83,14 @@ impl Simulation {
     pub fn new(setup: Setup) -> Simulation {
         let Setup { world, fluid, solver, particles, emitters, bodies, domain } = setup;
         let kernel = Kernel::new(world.kernel, world.support_radius);
+        // The lattice of particles of less volume is closer.
+        let radius = match world.closure {
+            ClosureKind::Offset => world.particle_radius,
+            _ => world.particle_radius * fluid.volume_factor.cbrt(),
+        };
         Simulation {
             domain: domain.unwrap_or_else(|| default_domain(&particles, &emitters, &bodies)),
-            closure: Closure::new(world.closure, kernel, world.particle_radius),
+            closure: Closure::new(world.closure, kernel, radius),
             world,
             fluid,
             solver,
@@ -189,8 +194,8 @@ impl Simulation {
             return SolveReport::default();
         }
         self.fields.set_pressures(&self.particles.divergence_pressures, self.solver.warm_start as f32);
-        let solve = self.solve(&self.solver.divergence, dt);
         let mut fields = std::mem::take(&mut self.fields);
+        let solve = self.solve(&self.solver.divergence, dt);
         let report = fields.correct_divergence(&solve);
         let forces = coupling::forces(&self.bodies, &fields, &solve, self.particle_mass());
         fields.keep_pressures(&mut self.particles.divergence_pressures);
@@ -213,8 +218,8 @@ impl Simulation {
             return SolveReport::default();
         }
         self.fields.set_pressures(&self.particles.pressures, self.solver.warm_start as f32);
-        let solve = self.solve(&self.solver.density, dt);
         let mut fields = std::mem::take(&mut self.fields);
+        let solve = self.solve(&self.solver.density, dt);
         let report = fields.correct_density(&solve);
         let forces = coupling::forces(&self.bodies, &fields, &solve, self.particle_mass());
         fields.keep_pressures(&mut self.particles.pressures);
@@ -321,7 +326,7 @@ fn default_domain(particles: &Particles, emitters: &[Emitter], bodies: &Bodies) 
         let grid = body.map.grid();
         for corner in 0..8 {
             let pick = |bit: u32, min: f64, max: f64| if corner >> bit & 1 == 0 { min } else { max };
-            let [min, max] = [grid.origin(), grid.origin() + grid.size()];
+            let [min, max] = [grid.origin, grid.max_corner()];
             let at = DVec3::new(pick(0, min.x, max.x), pick(1, min.y, max.y), pick(2, min.z, max.z));
             points.push(body.pose.to_world(at));
         }

@@ -1,0 +1,67 @@
+//! The density of a wall in which a particle sees the mirror image of the fluid, layer by layer.
+//!
+//! Let a particle be at distance d, in the layer of the fluid next to the wall. Its own layer's image lies at 2 d from it,
+//! the images of the layers above at a = 2 rp each behind that one. A layer is a sheet of volume a for each area, so
+//! ```text
+//! R_mirror(d)  = a sum over k = 0, 1, .. of W_1(2 d + k a),   W_1(z) = 2 pi integral from |z| to 1 of W(s) s ds
+//! R_mirror'(d) = -4 pi a sum of z W(z) at z = 2 d + k a
+//! ```
+//! At d = rp that is the density of the layers that a wall filled with more fluid would have. The image moves as the
+//! particle does, so the slope is twice that of a wall at rest: it holds the mirrored pressure of Akinci et al. 2012
+//! (Eq. 15 of Bender et al. 2020, the term with p~ = p_i), as the derivative of a density. So forces are conservative, and
+//! under equal pressure the first layer is in equilibrium at d = rp, where the fluid pushes it as much as the image does.
+//!
+//! Nearer than where it is steepest, R_mirror goes on along its tangent: images never let a particle through.
+
+use super::quadrature::integrate_pieces;
+use crate::kernel::KernelKind;
+use std::f64::consts::PI;
+
+/// The image's density as a function of the distance; lengths in support radii.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Mirror {
+    kernel: KernelKind,
+    spacing: f64,
+    /// Where it is steepest.
+    steepest: f64,
+}
+
+/// Layers at most; more than these are as good as a continuum.
+const MOST_LAYERS: f64 = 64.0;
+
+impl Mirror {
+    /// For particles of a radius > 0.
+    pub fn new(kernel: KernelKind, particle_radius: f64) -> Mirror {
+        let spacing = (2.0 * particle_radius).max(1.0 / MOST_LAYERS);
+        let mut mirror = Mirror { kernel, spacing, steepest: 0.0 };
+        let places = (0..=1024).map(|n| f64::from(n) / 1024.0 * particle_radius);
+        mirror.steepest = places
+            .map(|d| (d, mirror.images(d)[1]))
+            .fold((0.0, f64::INFINITY), |best, place| if place.1 < best.1 { place } else { best })
+            .0;
+        mirror
+    }
+
+    /// R_mirror and its derivative.
+    pub fn density(&self, d: f64) -> [f64; 2] {
+        let at = d.max(self.steepest);
+        let [value, slope] = self.images(at);
+        [value + slope * (d - at), slope]
+    }
+
+    fn images(&self, d: f64) -> [f64; 2] {
+        let mut sum = [0.0; 2];
+        let mut z = 2.0 * d;
+        while z < 1.0 {
+            sum[0] += self.spacing * sheet(self.kernel, z);
+            sum[1] -= 4.0 * PI * self.spacing * z * self.kernel.unit_value(z);
+            z += self.spacing;
+        }
+        sum
+    }
+}
+
+/// W_1: the kernel integrated over a plane at distance z >= 0.
+fn sheet(kernel: KernelKind, z: f64) -> f64 {
+    2.0 * PI * integrate_pieces(&[0.5], z, 1.0, |s| kernel.unit_value(s) * s)
+}
