@@ -113,7 +113,7 @@ mod tests {
 
     #[test]
     fn arrays_begin_where_the_header_says() {
-        let file = String::from_utf8(with_sample(|points| to_bytes(points)).unwrap()).unwrap();
+        let file = String::from_utf8(with_sample(to_bytes).unwrap()).unwrap();
         let (numbers, rest) = array(&file, "density");
         assert_eq!(numbers[..3], [1, BLOCK as u64, 200]);
         let block = BASE64.decode(&rest[..(numbers[3] as usize).div_ceil(3) * 4]).unwrap();
