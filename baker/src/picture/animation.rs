@@ -157,7 +157,7 @@ mod tests {
         let rgb: Vec<u8> = (0..3 * 5 * 4).map(|n| n as u8).collect();
         let (size, out) = smaller([5, 4], &rgb, 2);
         assert_eq!((size, out.len()), ([2, 2], 12));
-        assert_eq!(out[0], ((0 + 3 + 15 + 18 + 2) / 4) as u8);
+        assert_eq!(out[0], (3 + 15 + 18 + 2) / 4, "of bytes 0, 3, 15, 18");
         assert_eq!(smaller([5, 4], &rgb, 1), ([5, 4], rgb));
     }
 }

@@ -1,5 +1,6 @@
 //! The folder of a run.
 
+use super::pictures::keep;
 use super::scene::{NAME, Scene, duck, world};
 use std::path::Path;
 use volmap_formats::mesh::{MeshFormat, read_mesh_bytes};
@@ -64,6 +65,7 @@ fn a_run_that_goes_on_leaves_the_same_files() {
     assert_eq!(output.frames(), 2);
     simulate(&mut output, 7, 12);
     output.finish().unwrap();
+    keep("animation.png", &std::fs::read(whole.path().join("animation.png")).unwrap());
     let (whole, parts) = (content(whole.path()), content(parts.path()));
     let names: Vec<&str> = whole.iter().map(|(name, _)| name.as_str()).collect();
     assert_eq!(names.len(), 1 + 4 * 4 + 3 + 4, "{names:?}");

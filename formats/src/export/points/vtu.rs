@@ -1,8 +1,10 @@
-//! Particles as VTK's XML UnstructuredGrid (`.vtu`), one vertex cell each; appended raw data, compressed by zlib in
-//! blocks. *VTK File Formats*, Kitware.
+//! Particles as VTK's XML UnstructuredGrid (`.vtu`), one vertex cell each; appended data, compressed by zlib in
+//! blocks, as base64: splashsurf reads no raw bytes. *VTK File Formats*, Kitware.
 
 use super::{Points, Values};
 use crate::export::{ExportError, publish_to};
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD as BASE64;
 use flate2::{Compression, write::ZlibEncoder};
 use rayon::prelude::*;
 use std::fmt::Write as _;
@@ -33,7 +35,7 @@ fn to_bytes(points: &Points) -> std::io::Result<Vec<u8>> {
              header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">\n<UnstructuredGrid>\n\
              <Piece NumberOfPoints=\"{count}\" NumberOfCells=\"{count}\">\n"
         ),
-        data: Vec::new(),
+        data: String::new(),
     };
     file.header += "<PointData>\n";
     for &(name, values) in &points.arrays {
@@ -47,9 +49,9 @@ fn to_bytes(points: &Points) -> std::io::Result<Vec<u8>> {
     file.array("UInt32", "connectivity", 1, &numbers(0))?;
     file.array("UInt32", "offsets", 1, &numbers(1))?;
     file.array("UInt8", "types", 1, &vec![VERTEX; count])?;
-    file.header += "</Cells>\n</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_";
+    file.header += "</Cells>\n</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"base64\">\n_";
     let mut bytes = file.header.into_bytes();
-    bytes.extend(file.data);
+    bytes.extend(file.data.into_bytes());
     bytes.extend(b"\n</AppendedData>\n</VTKFile>\n");
     Ok(bytes)
 }
@@ -57,7 +59,7 @@ fn to_bytes(points: &Points) -> std::io::Result<Vec<u8>> {
 /// The text and what is appended to it.
 struct Parts {
     header: String,
-    data: Vec<u8>,
+    data: String,
 }
 
 impl Parts {
@@ -78,8 +80,9 @@ impl Parts {
         // Blocks, bytes of a whole one, bytes of the last one if it isn't whole; then the compressed bytes of each.
         let sizes = [blocks.len(), BLOCK, bytes.len() % BLOCK];
         let lengths = sizes.into_iter().chain(blocks.iter().map(Vec::len));
-        self.data.extend(lengths.flat_map(|length| (length as u64).to_le_bytes()));
-        self.data.extend(blocks.concat());
+        let head: Vec<u8> = lengths.flat_map(|length| (length as u64).to_le_bytes()).collect();
+        self.data += &BASE64.encode(head);
+        self.data += &BASE64.encode(blocks.concat());
         Ok(())
     }
 }
@@ -95,19 +98,27 @@ mod tests {
     use super::super::tests::with_sample;
     use super::*;
 
+    /// The numbers before the blocks of the array of this name, and what follows them, in base64.
+    fn array<'a>(file: &'a str, name: &str) -> (Vec<u64>, &'a str) {
+        let at = file.split_once(&format!("Name=\"{name}\"")).unwrap().1.split_once("offset=\"").unwrap().1;
+        let offset: usize = at.split_once('"').unwrap().0.parse().unwrap();
+        let data = &file.split_once("base64\">\n_").unwrap().1[offset..];
+        // Four letters are three bytes; the first number tells how many there are.
+        let first = BASE64.decode(&data[..12]).unwrap();
+        let blocks = u64::from_le_bytes(first[..8].try_into().unwrap()) as usize;
+        let (head, rest) = data.split_at((8 * (3 + blocks)).div_ceil(3) * 4);
+        let head = BASE64.decode(head).unwrap();
+        (head.as_chunks().0.iter().map(|&n| u64::from_le_bytes(n)).collect(), rest)
+    }
+
     #[test]
     fn arrays_begin_where_the_header_says() {
-        let bytes = with_sample(|points| to_bytes(points)).unwrap();
-        let start = bytes.windows(6).position(|w| w == b"raw\">\n").unwrap() + 7;
-        let header = String::from_utf8_lossy(&bytes[..start]);
-        let at = header.split_once("Name=\"density\"").unwrap().1.split_once("offset=\"").unwrap().1;
-        let offset: usize = at.split_once('"').unwrap().0.parse().unwrap();
-        let number =
-            |n: usize| u64::from_le_bytes(bytes[start + offset + 8 * n..][..8].try_into().unwrap()) as usize;
-        assert_eq!([number(0), number(1), number(2)], [1, BLOCK, 200]);
+        let file = String::from_utf8(with_sample(to_bytes).unwrap()).unwrap();
+        let (numbers, rest) = array(&file, "density");
+        assert_eq!(numbers[..3], [1, BLOCK as u64, 200]);
+        let block = BASE64.decode(&rest[..(numbers[3] as usize).div_ceil(3) * 4]).unwrap();
         let mut back = Vec::new();
-        let block = &bytes[start + offset + 32..][..number(3)];
-        std::io::Read::read_to_end(&mut flate2::read::ZlibDecoder::new(block), &mut back).unwrap();
+        std::io::Read::read_to_end(&mut flate2::read::ZlibDecoder::new(&block[..]), &mut back).unwrap();
         assert_eq!(f32::from_le_bytes(back[4..8].try_into().unwrap()), 1.0 + 1e-4);
     }
 
@@ -116,10 +127,8 @@ mod tests {
         let density = vec![1.0f32; 2 * BLOCK / 4];
         let positions = vec![[0.0; 3]; density.len()];
         let points = Points { positions: &positions, arrays: vec![("density", Values::F32(&density))] };
-        let bytes = to_bytes(&points).unwrap();
-        let start = bytes.windows(6).position(|w| w == b"raw\">\n").unwrap() + 7;
-        let number = |n: usize| u64::from_le_bytes(bytes[start + 8 * n..][..8].try_into().unwrap()) as usize;
-        assert_eq!([number(0), number(1), number(2)], [2, BLOCK, 0]);
+        let file = String::from_utf8(to_bytes(&points).unwrap()).unwrap();
+        assert_eq!(array(&file, "density").0[..3], [2, BLOCK as u64, 0]);
         assert!(to_bytes(&Points::default()).is_ok());
     }
 }

@@ -76,8 +76,8 @@ impl Scenery<'_> {
         let (centre, size) = self.shown;
         let point = self.light.view.origin + depth * ray;
         let far = (point - centre).length() / (1.5 * size);
-        // Also for infinity and NaN.
-        if !(far < 1.0) {
+        // Also where it is NaN.
+        if far.is_nan() || far >= 1.0 {
             return sky;
         }
         let light = self.light_at(point, phase);

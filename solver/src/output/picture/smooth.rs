@@ -12,7 +12,7 @@ const KERNEL: [f32; 3] = [6.0 / 16.0, 4.0 / 16.0, 1.0 / 16.0];
 /// Smooths depth and value over about `radius` pixels. Steps of the depth of more than `step` metres from pixel to
 /// pixel stay as they are; what is further apart than `range` metres isn't mixed.
 pub fn smooth(
-    fluid: &mut Vec<Fluid>,
+    fluid: &mut [Fluid],
     spare: &mut Vec<Fluid>,
     width: usize,
     radius: f32,
@@ -22,8 +22,8 @@ pub fn smooth(
     let reach = reach(fluid, width, step);
     let mut stride = 1;
     while (stride as f32) < radius {
-        pass(fluid, spare, &reach, [width, 1], stride, range);
-        pass(spare, fluid, &reach, [width, width], stride, range);
+        pass(fluid, spare, &reach, [width, 1, stride], range);
+        pass(spare, fluid, &reach, [width, width, stride], range);
         stride *= 2;
     }
 }
@@ -65,15 +65,8 @@ fn joined(a: Fluid, b: Fluid, step: f32) -> bool {
     (a.depth - b.depth).abs() < step
 }
 
-/// One axis, `[width, distance]` of whose pixels are given.
-fn pass(
-    from: &[Fluid],
-    to: &mut [Fluid],
-    reach: &[u16],
-    [width, along]: [usize; 2],
-    stride: usize,
-    range: f32,
-) {
+/// One axis: the picture's width, the distance of neighbours along the axis, and the stride are given.
+fn pass(from: &[Fluid], to: &mut [Fluid], reach: &[u16], [width, along, stride]: [usize; 3], range: f32) {
     let inverse = 1.0 / (range * range);
     to.par_chunks_mut(width).enumerate().with_min_len(8).for_each(|(row, out)| {
         for (column, pixel) in out.iter_mut().enumerate() {
