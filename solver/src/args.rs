@@ -13,12 +13,41 @@ pub struct Arguments {
 
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// Simulates a scene into a folder: frames, statistics, pictures, check-points
+    Run(RunArguments),
     /// What is in a scene; opens no map and bakes nothing
     Info(SceneArguments),
     /// Whether a scene can run: opens or bakes its maps, places its particles
     Check(SceneArguments),
     /// The JSON Schema of scenes
     Schema,
+}
+
+#[derive(Debug, clap::Args)]
+pub struct RunArguments {
+    /// Scene, a .toml or .json file
+    pub scene: PathBuf,
+    /// Folder of the results; made if it isn't there
+    #[arg(short, long, value_name = "FOLDER")]
+    pub output: PathBuf,
+    /// Stop after this many steps in all
+    #[arg(long, value_name = "N")]
+    pub steps: Option<u64>,
+    /// Stop at this time, seconds, instead of the scene's
+    #[arg(long, value_name = "T")]
+    pub until: Option<f64>,
+    /// Go on from the folder's check-point
+    #[arg(long, conflicts_with = "overwrite")]
+    pub resume: bool,
+    /// Replace the run that is in the folder
+    #[arg(long)]
+    pub overwrite: bool,
+    /// Threads; all processors by default. Results don't depend on it
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Print nothing but errors
+    #[arg(short, long)]
+    pub quiet: bool,
 }
 
 #[derive(Debug, clap::Args)]

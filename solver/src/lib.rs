@@ -6,6 +6,7 @@
 //! Bender and Koschier 2017, *Divergence-Free SPH for Incompressible and Viscous Fluids*, in the pressure form of
 //! Band et al. 2018 (Algorithm 1); boundaries by Bender et al. 2020, *Implicit Frictional Boundary Handling for SPH*.
 
+pub mod assemble;
 pub mod bodies;
 pub mod boundary;
 pub mod cells;
@@ -18,7 +19,9 @@ pub mod output;
 pub mod pairs;
 pub mod particles;
 pub mod pressure;
+pub mod resume;
 pub mod scene;
+pub mod session;
 pub mod settings;
 pub mod simulation;
 pub mod stages;

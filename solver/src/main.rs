@@ -23,6 +23,7 @@ fn main() -> ExitCode {
 
 fn run(command: &Command) -> Result<()> {
     match command {
+        Command::Run(arguments) => run::simulate::run_simulate(arguments),
         Command::Info(arguments) => run::info::run_info(arguments),
         Command::Check(arguments) => run::check::run_check(arguments),
         Command::Schema => run::schema::run_schema(),

@@ -42,6 +42,13 @@ impl Particles {
         self.next_id += positions.len() as u32;
     }
 
+    /// Whether all lists have one length.
+    pub fn is_even(&self) -> bool {
+        let count = self.len();
+        let others = [self.velocities.len(), self.pressures.len(), self.divergence_pressures.len(), self.ids.len()];
+        others.iter().all(|&other| other == count)
+    }
+
     /// Bytes held.
     pub fn memory_bytes(&self) -> usize {
         self.positions.capacity() * (size_of::<DVec3>() + size_of::<[f32; 3]>() + 3 * size_of::<f32>())

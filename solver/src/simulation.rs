@@ -47,6 +47,8 @@ pub struct Simulation {
     pub(crate) bodies: Bodies,
     pub(crate) time: f64,
     pub(crate) step: u64,
+    /// Largest speed of a body where it touched the fluid in the last step, m/s.
+    pub(crate) body_speed: f64,
     cells: Cells,
     order: Vec<u32>,
     neighbours: Neighbours,
@@ -82,6 +84,7 @@ impl Simulation {
     /// A simulation at time 0.
     pub fn new(setup: Setup) -> Simulation {
         let Setup { world, fluid, solver, particles, emitters, bodies, domain } = setup;
+        let densities = vec![1.0; particles.len()];
         let kernel = Kernel::new(world.kernel, world.support_radius);
         // The lattice of particles of less volume is closer.
         let radius = match world.closure {
@@ -99,11 +102,12 @@ impl Simulation {
             bodies,
             time: 0.0,
             step: 0,
+            body_speed: 0.0,
             cells: Cells::default(),
             order: Vec::new(),
             neighbours: Neighbours::default(),
             boundary: Boundary::default(),
-            fields: Fields::default(),
+            fields: Fields { densities, ..Fields::default() },
             stages: Stages::default(),
         }
     }
@@ -123,7 +127,7 @@ impl Simulation {
         self.add_non_pressure(dt);
         let density = self.correct_density_error(dt);
         self.advance(dt);
-        let removed = strays::remove_outside(&mut self.particles, self.domain);
+        let removed = strays::remove_outside(&mut self.particles, &mut self.fields.densities, self.domain);
         self.stages.end(|stages| &mut stages.advance);
         self.bodies.step(dt)?;
         self.stages.end(|stages| &mut stages.rigid);
@@ -184,6 +188,7 @@ impl Simulation {
 
     fn compute_density(&mut self) {
         self.boundary.sample(&self.bodies, &self.closure, &self.particles.positions);
+        self.body_speed = self.boundary.max_speed();
         self.stages.end(|stages| &mut stages.boundary);
         self.fields.compute_density(self.discretization(), &self.neighbours, &self.boundary);
         self.stages.end(|stages| &mut stages.density);
@@ -259,8 +264,7 @@ impl Simulation {
         // Not a number must not be overlooked.
         let larger = |a: f32, b: f32| if a.is_nan() || a > b { a } else { b };
         let fluid = self.particles.velocities.par_iter().map(square).reduce(|| 0.0, larger);
-        let bodies = self.boundary.max_speed();
-        if fluid.is_nan() { f64::NAN } else { f64::from(fluid.sqrt()).max(bodies) }
+        if fluid.is_nan() { f64::NAN } else { f64::from(fluid.sqrt()).max(self.body_speed) }
     }
 
     fn discretization(&self) -> Discretization {
@@ -306,10 +310,20 @@ impl Simulation {
         self.neighbours.entries() as f64 / self.particles.len().max(1) as f64
     }
 
-    /// Relative densities D = rho / rho_0 at the beginning of the last step, in the particles' order unless some were
-    /// removed since; then there are more.
+    /// Relative densities D = rho / rho_0 at the beginning of the last step; 1 before the first.
     pub fn densities(&self) -> &[f32] {
         &self.fields.densities
+    }
+
+    /// Pressures of the density solve, Pa.
+    pub fn pressures(&self) -> Vec<f32> {
+        let density = self.fluid.rest_density as f32;
+        let all = self.particles.pressures.iter().zip(&self.fields.densities);
+        all.map(|(pressure, relative)| density * relative * relative * pressure).collect()
+    }
+
+    pub(crate) fn set_densities(&mut self, densities: Vec<f32>) {
+        self.fields.densities = densities;
     }
 
     /// Bytes held by particles and lists.

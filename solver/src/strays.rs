@@ -56,8 +56,12 @@ fn shortest_way(map: &PosedMap, point: DVec3) -> Option<DVec3> {
     })
 }
 
-/// Removes the particles out of a box; how many there were.
-pub fn remove_outside(particles: &mut Particles, [min, max]: [DVec3; 2]) -> usize {
+/// Removes the particles out of a box, and their densities; how many there were.
+pub fn remove_outside(
+    particles: &mut Particles,
+    densities: &mut Vec<f32>,
+    [min, max]: [DVec3; 2],
+) -> usize {
     let within = |x: &DVec3| x.cmpge(min).all() && x.cmple(max).all();
     if particles.positions.iter().all(within) {
         return 0;
@@ -66,5 +70,6 @@ pub fn remove_outside(particles: &mut Particles, [min, max]: [DVec3; 2]) -> usiz
     let kept: Vec<u32> =
         (0..count).filter(|&i| within(&particles.positions[i])).map(|i| i as u32).collect();
     particles.reorder(&kept);
+    *densities = kept.iter().map(|&old| densities[old as usize]).collect();
     count - kept.len()
 }

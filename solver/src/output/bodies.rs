@@ -3,18 +3,17 @@
 use crate::error::Error;
 use std::path::Path;
 use volmap_baker::export::ExportSettings;
-use volmap_baker::export::surface::surface;
-use volmap_formats::asset;
+use volmap_baker::export::surface;
 use volmap_formats::export::ply;
 use volmap_formats::mesh::TriangleMesh;
+use volmap_runtime::VolumeMap;
 
 /// The surface Phi = 0 of a map, for a body whose mesh is not at hand.
 ///
 /// # Errors
-/// An asset that can't be read.
-pub fn surface_of_map(path: &Path) -> Result<TriangleMesh, Error> {
-    let asset = asset::read(path).map_err(volmap_baker::Error::from)?;
-    let surface = surface(&asset, &ExportSettings::default())?;
+/// A surface too large for memory.
+pub fn surface_of_map(map: &VolumeMap) -> Result<TriangleMesh, Error> {
+    let surface = surface::surface_of_map(map, &ExportSettings::default())?;
     Ok(TriangleMesh { vertices: surface.vertices, triangles: surface.triangles })
 }
 

@@ -1,0 +1,72 @@
+//! Check-points: all that a simulation needs to go on with the same bytes.
+
+use crate::error::Error;
+use crate::output::{Checkpoint, CheckpointWriter};
+use crate::particles::Particles;
+use crate::scene::Scene;
+use crate::simulation::Simulation;
+use std::path::Path;
+
+/// What a check-point is of. Output and end may change from one run to the next, the rest may not.
+pub fn scene_hash(scene: &Scene) -> [u8; 32] {
+    let run = Scene { output: Default::default(), stop: Default::default(), cache: None, ..scene.clone() };
+    let text = serde_json::to_vec(&run).expect("a scene is numbers and text");
+    *blake3::hash(&text).as_bytes()
+}
+
+/// Writes the state after the last step, and how many frames have been written by then.
+///
+/// # Errors
+/// A file that can't be written.
+pub fn save(simulation: &Simulation, frames: u64, path: &Path, scene: [u8; 32]) -> Result<(), Error> {
+    let mut file = CheckpointWriter::create(path, scene)?;
+    let particles = &simulation.particles;
+    file.put_points("positions", &particles.positions)?;
+    file.put_f32x3("velocities", &particles.velocities)?;
+    file.put_f32("pressures", &particles.pressures)?;
+    file.put_f32("divergence_pressures", &particles.divergence_pressures)?;
+    file.put_u32("ids", &particles.ids)?;
+    file.put_f32("densities", simulation.densities())?;
+    file.put_f64("time", &[simulation.time, simulation.body_speed])?;
+    file.put_u64("step", &[simulation.step, u64::from(particles.next_id), frames])?;
+    let emitters: Vec<_> = simulation.emitters.iter().map(|emitter| emitter.state).collect();
+    file.put("emitters", &serde_json::to_vec(&emitters).expect("numbers"))?;
+    file.put("bodies", &simulation.bodies.snapshot()?)?;
+    file.finish()
+}
+
+/// Reads a state into the simulation of the same scene; the number of frames that had been written.
+///
+/// # Errors
+/// A file that can't be read, is damaged, or belongs to another scene.
+pub fn load(simulation: &mut Simulation, path: &Path, scene: [u8; 32]) -> Result<u64, Error> {
+    let file = Checkpoint::open(path, scene)?;
+    let [step, next_id, frames] = fixed(&file, "step", file.get_u64("step")?)?;
+    let [time, body_speed] = fixed(&file, "time", file.get_f64("time")?)?;
+    let particles = Particles {
+        positions: file.get_points("positions")?,
+        velocities: file.get_f32x3("velocities")?,
+        pressures: file.get_f32("pressures")?,
+        divergence_pressures: file.get_f32("divergence_pressures")?,
+        ids: file.get_u32("ids")?,
+        next_id: next_id as u32,
+    };
+    let densities = file.get_f32("densities")?;
+    let emitters: Vec<_> = serde_json::from_slice(file.get("emitters")?)
+        .map_err(|error| file.refuse(format!("emitters: {error}")))?;
+    if !particles.is_even() || densities.len() != particles.len() || emitters.len() != simulation.emitters.len() {
+        return Err(file.refuse("its lists have different lengths"));
+    }
+    simulation.bodies.restore(file.get("bodies")?).map_err(|reason| file.refuse(reason))?;
+    for (emitter, state) in simulation.emitters.iter_mut().zip(emitters) {
+        emitter.state = state;
+    }
+    simulation.particles = particles;
+    simulation.set_densities(densities);
+    (simulation.time, simulation.step, simulation.body_speed) = (time, step, body_speed);
+    Ok(frames)
+}
+
+fn fixed<T: Copy, const N: usize>(file: &Checkpoint, name: &str, list: Vec<T>) -> Result<[T; N], Error> {
+    list.try_into().map_err(|_| file.refuse(format!("{name} has the wrong length")))
+}
