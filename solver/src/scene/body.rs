@@ -47,7 +47,7 @@ pub struct Bake {
     pub thickness: f64,
     /// Cells of the map, one number or three.
     pub resolution: Option<PerAxis<u32>>,
-    /// Or the edge of its cubic cells, metres. Default: half of the support radius.
+    /// Or the edge of its cubic cells, metres. Default: a quarter of the support radius.
     pub cell_size: Option<f64>,
 }
 

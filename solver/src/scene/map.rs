@@ -96,6 +96,7 @@ impl<'a> Library<'a> {
         let shape = self.obtain(source, key)?;
         let (has, needs) = (shape.map.support_radius(), self.support_radius);
         if (has - needs).abs() <= SAME_RADIUS * needs {
+            self.note_coarse_cells(source.path(), &shape.map);
             return Ok(shape);
         }
         let file = source.path().display();
@@ -105,6 +106,18 @@ impl<'a> Library<'a> {
              volmap bake MESH -o {file} --support-radius {needs}{invert}, or name the mesh in the scene instead"
         );
         Err(Error::Scene { place: format!("{key}.map"), reason })
+    }
+
+    fn note_coarse_cells(&mut self, path: &Path, map: &VolumeMap) {
+        let (cell, most) = (map.grid().cell_size.max_element(), COARSE * self.support_radius);
+        if map.exterior() == Exterior::Solid && cell > most {
+            self.notes.push(format!(
+                "{}: cells of {cell} m are coarse for a container: where walls meet, particles find them up to {:.3} m too \
+                 near; bake with cells of a quarter of the support radius",
+                path.display(),
+                0.25 * cell
+            ));
+        }
     }
 
     fn bake_or_open(&mut self, path: &Path, settings: &Bake) -> Result<Shape, Error> {
@@ -148,7 +161,7 @@ impl<'a> Library<'a> {
         let grid = match (settings.resolution, settings.cell_size) {
             (Some(cells), _) => GridChoice::Resolution(cells.0),
             (None, Some(edge)) => GridChoice::CellSize(edge),
-            (None, None) => GridChoice::FromRadius,
+            (None, None) => GridChoice::CellSize(CELLS_PER_RADIUS.recip() * self.support_radius),
         };
         let map = Settings {
             support_radius: Some(self.support_radius),
@@ -160,6 +173,12 @@ impl<'a> Library<'a> {
         BakeSettings { map, ..BakeSettings::default() }
     }
 }
+
+/// Cells of a map in a support radius by default: twice as many as the baker's. Where two walls meet, the map's distance
+/// is too small by up to a quarter of a cell, and what particles touch at rest must be better known than that.
+const CELLS_PER_RADIUS: f64 = 4.0;
+/// Coarser containers are worth a note.
+const COARSE: f64 = 0.3;
 
 /// Errors of settings don't say which mesh they are about.
 fn cannot_bake(path: &Path, error: volmap_baker::Error) -> Error {
