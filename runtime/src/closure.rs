@@ -177,11 +177,7 @@ impl Closure {
         let wall = WallDensity::new(kind, kernel.kind(), particle_radius / radius);
         let plane = Table::new(-2.0, 1.0, 3 * PER_RADIUS, |d| {
             let [volume, slope] = plane::volume(d);
-            [
-                wall.at(d),
-                [volume.ln(), slope / volume],
-                exponent_of_plane(kernel, d),
-            ]
+            [wall.at(d), [volume.ln(), slope / volume], exponent_of_plane(kernel, d)]
         });
         let edges = || {
             let edge = |d: f64| wedge::edge(kernel.kind(), d);

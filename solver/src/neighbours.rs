@@ -3,7 +3,7 @@
 //! A cell's particles share the candidates of its 27 cells, which are laid side by side first.
 
 use crate::cells::Cells;
-use crate::pairs::lanes::{LANES, Lanes, Quad, Work, dispatch};
+use crate::pairs::lanes::{Group, LANES, Lanes, Quad, Work, dispatch};
 use glam::IVec3;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -25,13 +25,13 @@ pub struct Lists {
     pub first: usize,
     /// First group of each particle, and the number of groups.
     starts: Vec<u32>,
-    /// Neighbours without the particle itself; the last group is filled up with the number of particles, where
-    /// tables have a particle that is far from all.
-    groups: Vec<[u32; LANES]>,
+    /// Neighbours without the particle itself; the last group is filled up with the one behind the last particle,
+    /// which in all tables is far from all.
+    groups: Vec<Group>,
     candidates: Candidates,
 }
 
-/// The particles of 27 cells: places in support radii, and indices.
+/// The particles of 27 cells: places in support radii, and four times their indices, as in a [`Group`].
 #[derive(Clone, Debug, Default)]
 struct Candidates {
     places: Vec<[[f32; LANES]; 3]>,
@@ -63,7 +63,9 @@ impl Neighbours {
     /// Bytes held.
     pub fn memory_bytes(&self) -> usize {
         let of = |lists: &Lists| {
-            4 * lists.starts.capacity() + 4 * LANES * lists.groups.capacity() + lists.candidates.memory_bytes()
+            4 * lists.starts.capacity()
+                + 4 * LANES * lists.groups.capacity()
+                + lists.candidates.memory_bytes()
         };
         self.chunks.iter().map(of).sum()
     }
@@ -82,7 +84,7 @@ impl Lists {
 
     /// The groups of neighbours of the chunk's particle number `within`.
     #[inline(always)]
-    pub fn groups(&self, within: usize) -> &[[u32; LANES]] {
+    pub fn groups(&self, within: usize) -> &[Group] {
         &self.groups[self.starts[within] as usize..self.starts[within + 1] as usize]
     }
 }
@@ -95,15 +97,16 @@ impl Candidates {
         for z in -1..=1 {
             for y in -1..=1 {
                 for x in -1..=1 {
-                    self.indices.extend(cells.particles(cell + IVec3::new(x, y, z)).map(|index| index as u32));
+                    self.indices
+                        .extend(cells.particles(cell + IVec3::new(x, y, z)).map(|index| 4 * index as u32));
                 }
             }
         }
-        let filling = places.len() as u32 - 1;
+        let filling = 4 * (places.len() as u32 - 1);
         self.indices.resize(self.indices.len().next_multiple_of(LANES), filling);
         self.places.clear();
         for group in self.indices.as_chunks().0 {
-            let [x, y, z, _] = V::gather(places, group);
+            let [[x, y, z, _]] = V::gather([places], group);
             self.places.push([x.array(), y.array(), z.array()]);
         }
     }
@@ -129,7 +132,7 @@ impl Work for Search<'_> {
         *first = self.particles.start;
         starts.clear();
         groups.clear();
-        let filling = self.places.len() as u32 - 1;
+        let filling = 4 * (self.places.len() as u32 - 1);
         let mut cell = IVec3::MIN;
         let mut near = Vec::new();
         for particle in self.particles {
@@ -140,7 +143,7 @@ impl Work for Search<'_> {
                 near.resize(candidates.indices.len() + LANES, 0);
             }
             starts.push(groups.len() as u32);
-            let count = within_reach::<V>(candidates, self.places[particle], particle as u32, &mut near);
+            let count = within_reach::<V>(candidates, self.places[particle], 4 * particle as u32, &mut near);
             near[count..count.next_multiple_of(LANES)].fill(filling);
             groups.extend(near[..count.next_multiple_of(LANES)].as_chunks().0);
         }

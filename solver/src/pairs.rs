@@ -13,9 +13,9 @@ pub(crate) mod lanes;
 mod viscosity;
 
 use crate::neighbours::{CHUNK, Lists};
-use volmap_runtime::KernelKind;
 use kernels::{CubicSpline, KernelLanes, Poly6, Spiky, WendlandC2};
-use lanes::{Lanes, Quad, Work, dispatch};
+use lanes::{Group, Lanes, Quad, Work, dispatch};
+use volmap_runtime::KernelKind;
 
 pub use density::Density;
 
@@ -104,8 +104,20 @@ struct Difference<V> {
 
 impl<V: Lanes> Difference<V> {
     #[inline(always)]
-    fn new(places: &[Quad], at: [V; 3], group: &[u32; lanes::LANES]) -> Difference<V> {
-        let [x, y, z, fourth] = V::gather(places, group);
+    fn new(places: &[Quad], at: [V; 3], group: &Group) -> Difference<V> {
+        let [place] = V::gather([places], group);
+        Difference::from(at, place)
+    }
+
+    /// As [`Difference::new`], with the neighbours' values of a field.
+    #[inline(always)]
+    fn with_field(places: &[Quad], field: &[Quad], at: [V; 3], group: &Group) -> (Difference<V>, [V; 4]) {
+        let [place, values] = V::gather([places, field], group);
+        (Difference::from(at, place), values)
+    }
+
+    #[inline(always)]
+    fn from(at: [V; 3], [x, y, z, fourth]: [V; 4]) -> Difference<V> {
         let x = [at[0] - x, at[1] - y, at[2] - z];
         Difference { x, square: dot(x, x), fourth }
     }

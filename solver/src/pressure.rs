@@ -24,8 +24,9 @@ pub struct SolveReport {
     pub error: f64,
 }
 
-/// Particles whose density is below this are at the surface: their divergence is left alone.
-const SURFACE_DENSITY: f32 = 0.7;
+/// Particles whose density is below this may be compressed: those at the surface, spray, and blocks that begin loosely. Their
+/// divergence is left alone.
+const SURFACE_DENSITY: f32 = 0.9;
 
 impl Fields {
     /// Solves for the pressures that keep the velocity from compressing the fluid; `accelerations` hold the answer.

@@ -4,7 +4,7 @@
 //! AVX2: so each instruction below is one that the processor has. Loads from tables are checked first.
 #![allow(unsafe_code)]
 
-use super::lanes::{LANES, Lanes, Quad, Work};
+use super::lanes::{Group, LANES, Lanes, Quad, Work};
 use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Sub};
 
@@ -95,29 +95,28 @@ impl Lanes for Avx {
     }
 
     #[inline(always)]
-    fn gather(table: &[Quad], indices: &[u32; LANES]) -> [Avx; 4] {
-        let quads = table.as_ptr().cast::<f32>();
-        // SAFETY: all indices are below the table's length, or the assertion fails.
+    fn gather<const N: usize>(tables: [&[Quad]; N], group: &Group) -> [[Avx; 4]; N] {
+        let count = tables[0].len();
+        assert!(count > 0 && tables.iter().all(|table| table.len() == count));
+        // SAFETY: each quad begins at 4 times an index below the tables' length, or the assertion fails.
         unsafe {
-            let last = _mm256_set1_epi32((table.len() as u32).wrapping_sub(1) as i32);
-            let all = _mm256_loadu_si256(indices.as_ptr().cast());
+            let last = _mm256_set1_epi32((4 * (count as u32 - 1)) as i32);
+            let all = _mm256_loadu_si256(group.as_ptr().cast());
             let below = _mm256_cmpeq_epi32(_mm256_max_epu32(all, last), last);
-            assert!(!table.is_empty() && _mm256_movemask_epi8(below) == -1);
+            assert!(_mm256_movemask_epi8(below) == -1);
             // Volatile: the compiler would take the indices out of the vector, which is slower.
-            let at = |lane: usize| {
-                let index = indices.as_ptr().add(lane).read_volatile();
-                _mm_loadu_ps(quads.add(4 * index as usize))
-            };
-            let two = |low: usize| _mm256_insertf128_ps::<1>(_mm256_castps128_ps256(at(low)), at(low + 4));
-            let (a, b, c, d) = (two(0), two(1), two(2), two(3));
-            let (ab, cd) = (_mm256_unpacklo_ps(a, b), _mm256_unpacklo_ps(c, d));
-            let (ab2, cd2) = (_mm256_unpackhi_ps(a, b), _mm256_unpackhi_ps(c, d));
-            [
-                Avx(_mm256_shuffle_ps::<0x44>(ab, cd)),
-                Avx(_mm256_shuffle_ps::<0xEE>(ab, cd)),
-                Avx(_mm256_shuffle_ps::<0x44>(ab2, cd2)),
-                Avx(_mm256_shuffle_ps::<0xEE>(ab2, cd2)),
-            ]
+            let [a, b, c, d, e, f, g, h]: [usize; LANES] =
+                std::array::from_fn(|lane| group.as_ptr().add(lane).read_volatile() as usize);
+            let mut out = [[Avx(_mm256_setzero_ps()); 4]; N];
+            for (out, table) in out.iter_mut().zip(tables) {
+                let numbers = table.as_ptr().cast::<f32>();
+                let two = |low: usize, high: usize| {
+                    let low = _mm256_castps128_ps256(_mm_loadu_ps(numbers.add(low)));
+                    _mm256_insertf128_ps::<1>(low, _mm_loadu_ps(numbers.add(high)))
+                };
+                *out = transpose(two(a, e), two(b, f), two(c, g), two(d, h));
+            }
+            out
         }
     }
 
@@ -129,5 +128,21 @@ impl Lanes for Avx {
             let two = _mm_add_ps(four, _mm_movehl_ps(four, four));
             _mm_cvtss_f32(_mm_add_ss(two, _mm_shuffle_ps::<0x55>(two, two)))
         }
+    }
+}
+
+/// Rows of two quads each for columns.
+#[inline(always)]
+fn transpose(a: __m256, b: __m256, c: __m256, d: __m256) -> [Avx; 4] {
+    // SAFETY: see the top of the file.
+    unsafe {
+        let (low, low2) = (_mm256_unpacklo_ps(a, b), _mm256_unpacklo_ps(c, d));
+        let (high, high2) = (_mm256_unpackhi_ps(a, b), _mm256_unpackhi_ps(c, d));
+        [
+            Avx(_mm256_shuffle_ps::<0x44>(low, low2)),
+            Avx(_mm256_shuffle_ps::<0xEE>(low, low2)),
+            Avx(_mm256_shuffle_ps::<0x44>(high, high2)),
+            Avx(_mm256_shuffle_ps::<0xEE>(high, high2)),
+        ]
     }
 }

@@ -21,8 +21,7 @@ impl KernelWork for Work<'_> {
             let (at, own) = (splat::<V>(self.pairs.places[particle]), splat::<V>(self.field[particle]));
             let mut sum = V::splat(0.0);
             for group in self.lists.groups(within) {
-                let to = Difference::new(self.pairs.places, at, group);
-                let [u, v, w, _] = V::gather(self.field, group);
+                let (to, [u, v, w, _]) = Difference::with_field(self.pairs.places, self.field, at, group);
                 sum = sum + K::slope(to.square) * dot([own[0] - u, own[1] - v, own[2] - w], to.x);
             }
             *out = scale * sum.sum();

@@ -11,6 +11,9 @@ pub const LANES: usize = 8;
 /// Four numbers of a particle, which are read together: a place and one more, or a vector.
 pub type Quad = [f32; 4];
 
+/// Eight neighbours: four times their indices, which is where their quads begin in a table of numbers.
+pub type Group = [u32; LANES];
+
 /// One number for each of eight pairs.
 pub(crate) trait Lanes:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
@@ -23,8 +26,8 @@ pub(crate) trait Lanes:
     fn max(self, other: Self) -> Self;
     /// Bit by bit, whether the number is below the other one.
     fn below(self, other: Self) -> u32;
-    /// The quads with these indices, turned: first numbers, second numbers...
-    fn gather(table: &[Quad], indices: &[u32; LANES]) -> [Self; 4];
+    /// The quads of these neighbours in each table, turned: first numbers, second numbers... Tables of one length.
+    fn gather<const N: usize>(tables: [&[Quad]; N], group: &Group) -> [[Self; 4]; N];
 
     /// The sum of all eight, halves first.
     #[inline(always)]
@@ -128,14 +131,16 @@ impl Lanes for Plain {
     }
 
     #[inline(always)]
-    fn gather(table: &[Quad], indices: &[u32; LANES]) -> [Plain; 4] {
-        let mut out = [[0.0; LANES]; 4];
-        for (lane, &index) in indices.iter().enumerate() {
-            let quad = table[index as usize];
-            for (out, number) in out.iter_mut().zip(quad) {
-                out[lane] = number;
+    fn gather<const N: usize>(tables: [&[Quad]; N], group: &Group) -> [[Plain; 4]; N] {
+        tables.map(|table| {
+            let mut out = [[0.0; LANES]; 4];
+            for (lane, &begin) in group.iter().enumerate() {
+                let quad = table[begin as usize / 4];
+                for (out, number) in out.iter_mut().zip(quad) {
+                    out[lane] = number;
+                }
             }
-        }
-        out.map(Plain)
+            out.map(Plain)
+        })
     }
 }

@@ -28,8 +28,8 @@ impl KernelWork for Work<'_> {
             let (at, own) = (splat::<V>(self.pairs.places[particle]), splat::<V>(self.velocities[particle]));
             let (mut laplacian, mut mean) = ([V::splat(0.0); 3], [V::splat(0.0); 3]);
             for group in self.lists.groups(within) {
-                let to = Difference::new(self.pairs.places, at, group);
-                let [u, v, w, _] = V::gather(self.velocities, group);
+                let (to, [u, v, w, _]) =
+                    Difference::with_field(self.pairs.places, self.velocities, at, group);
                 let apart = [own[0] - u, own[1] - v, own[2] - w];
                 let (value, slope) = K::both(to.square);
                 laplacian = add_scaled(laplacian, slope * dot(apart, to.x) / (to.square + small), to.x);
