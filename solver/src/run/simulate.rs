@@ -29,7 +29,7 @@ pub fn run_simulate(arguments: &RunArguments) -> Result<()> {
         }
     };
     let mut session = Session::open(&arguments.scene, &arguments.output, &settings, &mut on_bake)?;
-    for note in &session.notes {
+    for note in session.notes.iter().filter(|_| !arguments.quiet) {
         eprintln!("note       {note}");
     }
     let stop = stop_on_signal()?;
