@@ -13,7 +13,7 @@ use crate::scene::Emitter;
 use crate::settings::{FluidSettings, SolveSettings, SolverSettings, World};
 use crate::stages::Stages;
 use crate::strays;
-use crate::time_step::time_step;
+use crate::time_step::{time_step, viscous_limit};
 use rayon::prelude::*;
 use volmap_runtime::{Closure, ClosureKind, DVec3, Kernel};
 
@@ -168,7 +168,8 @@ impl Simulation {
             )));
         }
         let first = self.step == 0 && settings.adaptive;
-        let dt = time_step(settings, self.world.particle_radius, max_speed);
+        let viscous = viscous_limit(&self.fluid, self.world.kernel, self.world.support_radius);
+        let dt = time_step(settings, self.world.particle_radius, max_speed, viscous);
         Ok(if first { dt.min(settings.initial) } else { dt })
     }
 
@@ -320,6 +321,10 @@ impl Simulation {
         let density = self.fluid.rest_density as f32;
         let all = self.particles.pressures.iter().zip(&self.fields.densities);
         all.map(|(pressure, relative)| density * relative * relative * pressure).collect()
+    }
+
+    pub(crate) fn is_in_domain(&self, x: DVec3) -> bool {
+        strays::is_within(x, self.domain)
     }
 
     pub(crate) fn set_densities(&mut self, densities: Vec<f32>) {

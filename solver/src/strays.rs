@@ -56,13 +56,18 @@ fn shortest_way(map: &PosedMap, point: DVec3) -> Option<DVec3> {
     })
 }
 
+/// Whether a place is in a box; one that is no number isn't.
+pub fn is_within(x: DVec3, [min, max]: [DVec3; 2]) -> bool {
+    x.cmpge(min).all() && x.cmple(max).all()
+}
+
 /// Removes the particles out of a box, and their densities; how many there were.
 pub fn remove_outside(
     particles: &mut Particles,
     densities: &mut Vec<f32>,
-    [min, max]: [DVec3; 2],
+    domain: [DVec3; 2],
 ) -> usize {
-    let within = |x: &DVec3| x.cmpge(min).all() && x.cmple(max).all();
+    let within = |x: &DVec3| is_within(*x, domain);
     if particles.positions.iter().all(within) {
         return 0;
     }
