@@ -13,9 +13,9 @@ pub(crate) mod lanes;
 mod viscosity;
 
 use crate::neighbours::{CHUNK, Lists};
-use volmap_runtime::KernelKind;
 use kernels::{CubicSpline, KernelLanes, Poly6, Spiky, WendlandC2};
 use lanes::{Lanes, Quad, Work, dispatch};
+use volmap_runtime::KernelKind;
 
 pub use density::Density;
 
@@ -132,3 +132,6 @@ fn splat<V: Lanes>(quad: Quad) -> [V; 3] {
 fn sums<V: Lanes>(factor: f32, vector: [V; 3]) -> [f32; 3] {
     [factor * vector[0].sum(), factor * vector[1].sum(), factor * vector[2].sum()]
 }
+
+#[cfg(test)]
+mod tests;

@@ -81,6 +81,9 @@ impl Session {
             // One of an earlier run would be another run's; it goes before the tables that belong to it.
             std::fs::remove_file(&checkpoint).or_else(ignore_missing).map_err(io(&checkpoint))?;
         }
+        if settings.overwrite {
+            output::folder::clear(folder)?;
+        }
         let meshes: Vec<(&str, &TriangleMesh)> =
             meshes.iter().map(|(name, mesh)| (name.as_str(), mesh)).collect();
         let output = Output::open(folder, &output_settings(&scene), world, &meshes, start)?;
@@ -106,7 +109,10 @@ impl Session {
     ///
     /// # Errors
     /// [`Error::Simulation`]; files that can't be written. What has been written stays, and the last check-point.
-    pub fn run(&mut self, go_on: &mut dyn FnMut(&Progress) -> bool) -> Result<output::statistics::Summary, Error> {
+    pub fn run(
+        &mut self,
+        go_on: &mut dyn FnMut(&Progress) -> bool,
+    ) -> Result<output::statistics::Summary, Error> {
         while !self.is_done() {
             let report = self.simulation.step()?;
             let writing = Instant::now();
@@ -192,7 +198,8 @@ impl Session {
 /// A folder with a run in it is left alone unless one says what is to be done.
 fn refuse_to_replace(folder: &Path, settings: &RunSettings) -> Result<(), Error> {
     let file = folder.join(STATISTICS);
-    let refuse = |reason: &str| Err(Error::Scene { place: folder.display().to_string(), reason: reason.into() });
+    let refuse =
+        |reason: &str| Err(Error::Scene { place: folder.display().to_string(), reason: reason.into() });
     if settings.resume && !folder.join(CHECKPOINT).exists() {
         return refuse("has no check-point to resume from: begin with --overwrite instead of --resume");
     }

@@ -42,6 +42,7 @@ pub struct SolveSettings {
 
 /// [`SolveSettings`] of the divergence solve in a scene's file: what isn't given has other defaults there.
 #[derive(Serialize, Deserialize, JsonSchema)]
+#[schemars(rename = "DivergenceSolve")]
 #[serde(remote = "SolveSettings", deny_unknown_fields, default = "SolveSettings::of_divergence")]
 struct DivergenceSolve {
     /// Whether it is done at all.
@@ -141,6 +142,12 @@ impl Default for FluidSettings {
 
 impl Default for World {
     fn default() -> Self {
-        World { particle_radius: 0.025, support_radius: 0.1, kernel: KernelKind::CubicSpline, closure: ClosureKind::Mirror, gravity: DVec3::new(0.0, -9.81, 0.0) }
+        World {
+            particle_radius: 0.025,
+            support_radius: 0.1,
+            kernel: KernelKind::CubicSpline,
+            closure: ClosureKind::Mirror,
+            gravity: DVec3::new(0.0, -9.81, 0.0),
+        }
     }
 }

@@ -92,7 +92,7 @@ impl Simulation {
             _ => world.particle_radius * fluid.volume_factor.cbrt(),
         };
         Simulation {
-            domain: domain.unwrap_or_else(|| default_domain(&particles, &emitters, &bodies)),
+            domain: domain.unwrap_or_else(|| default_domain(&particles, &emitters, &bodies, &world)),
             closure: Closure::new(world.closure, kernel, radius),
             world,
             fluid,
@@ -257,7 +257,7 @@ impl Simulation {
             *position += dt * DVec3::new(x.into(), y.into(), z.into());
         });
         let radius = self.world.particle_radius;
-        strays::bring_back(&mut self.particles, self.boundary.inside(), &self.bodies, radius);
+        strays::bring_back(&mut self.particles, self.boundary.inside(), &self.bodies, radius, dt);
     }
 
     fn max_speed(&self) -> f64 {
@@ -337,8 +337,11 @@ impl Simulation {
     }
 }
 
-/// All that is there at the start, grown on each side by its own diagonal.
-fn default_domain(particles: &Particles, emitters: &[Emitter], bodies: &Bodies) -> [DVec3; 2] {
+/// Of the default domain, in support radii.
+const LEAST_MARGIN: f64 = 100.0;
+
+/// All that is there at the start, grown on each side by its own diagonal, or by what a drop may fall.
+fn default_domain(particles: &Particles, emitters: &[Emitter], bodies: &Bodies, world: &World) -> [DVec3; 2] {
     let mut points: Vec<DVec3> = particles.positions.clone();
     points.extend(emitters.iter().flat_map(|emitter| emitter.layer().iter().copied()));
     for body in bodies.posed() {
@@ -352,6 +355,6 @@ fn default_domain(particles: &Particles, emitters: &[Emitter], bodies: &Bodies) 
     }
     let min = points.iter().fold(DVec3::INFINITY, |min, &x| min.min(x));
     let max = points.iter().fold(DVec3::NEG_INFINITY, |max, &x| max.max(x));
-    let margin = DVec3::splat((max - min).length());
+    let margin = DVec3::splat((max - min).length().max(LEAST_MARGIN * world.support_radius));
     [min - margin, max + margin]
 }

@@ -44,7 +44,8 @@ mod tests {
 
     #[test]
     fn step_keeps_its_bounds() {
-        let settings = TimeStepSettings { cfl_factor: 0.5, min: 1e-4, max: 5e-3, ..TimeStepSettings::default() };
+        let settings =
+            TimeStepSettings { cfl_factor: 0.5, min: 1e-4, max: 5e-3, ..TimeStepSettings::default() };
         let step = |speed| time_step(&settings, 0.025, speed, f64::INFINITY);
         assert_eq!(step(0.0), 5e-3);
         assert!((step(10.0) - 1e-3).abs() < 1e-12, "0.5 * 0.4 * 0.05 m in 10 m/s");
