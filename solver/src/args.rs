@@ -34,7 +34,7 @@ pub struct RunArguments {
     #[arg(long, value_name = "N")]
     pub steps: Option<u64>,
     /// Stop at this time, seconds, instead of the scene's
-    #[arg(long, value_name = "T")]
+    #[arg(long, value_name = "T", value_parser = time)]
     pub until: Option<f64>,
     /// Go on from the folder's check-point
     #[arg(long, conflicts_with = "overwrite")]
@@ -57,6 +57,11 @@ pub struct SceneArguments {
     /// As JSON
     #[arg(long)]
     pub json: bool,
+}
+
+fn time(text: &str) -> Result<f64, String> {
+    let time: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
+    if time.is_finite() && time >= 0.0 { Ok(time) } else { Err("not a time".to_owned()) }
 }
 
 #[cfg(test)]

@@ -118,10 +118,8 @@ impl ChunkContacts {
                 self.inside.push(inside(Some(-near.distance * near.normal)));
             }
             let distance = |point| map.values(point).distance;
-            static G: std::sync::LazyLock<bool> =
-                std::sync::LazyLock::new(|| std::env::var("NORMAL").is_err());
             if let Some(density) =
-                closure.density_probing(near, G.then_some(*volume_gradient), position, distance)
+                closure.density_probing(near, Some(*volume_gradient), position, distance)
             {
                 self.contacts.push(Contact {
                     particle,

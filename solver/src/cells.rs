@@ -10,8 +10,11 @@ use volmap_runtime::DVec3;
 /// Cells along an edge of a tile.
 const TILE: i32 = 8;
 const CELLS_OF_TILE: usize = (TILE * TILE * TILE) as usize;
-/// Cells at most: memory of 4 bytes each. Where a wide domain would need more, they become larger.
-const MOST_CELLS: f64 = (1u64 << 27) as f64;
+/// Cells at most for each particle, and at most and at least of all: 4 bytes and a visit in every step each. Where a wide
+/// domain would need more, they become larger.
+const CELLS_PER_PARTICLE: usize = 64;
+const MOST_CELLS: usize = 1 << 27;
+const FEW_CELLS: usize = 1 << 16;
 
 /// The lattice of cells around all particles, and which particles each has.
 #[derive(Clone, Debug, Default)]
@@ -61,9 +64,10 @@ impl Cells {
             .fold(|| nothing, |(min, max), &x| (min.min(x), max.max(x)))
             .reduce(|| nothing, |a, b| (a.0.min(b.0), a.1.max(b.1)));
         let (min, max) = if positions.is_empty() { (DVec3::ZERO, DVec3::ZERO) } else { (min, max) };
+        let most = (CELLS_PER_PARTICLE * positions.len()).clamp(FEW_CELLS, MOST_CELLS) as f64;
         let mut size = support_radius;
         let tiles = |size: f64| ((max - min) / (size * f64::from(TILE))).floor() + 1.0;
-        while tiles(size).element_product() * CELLS_OF_TILE as f64 > MOST_CELLS {
+        while tiles(size).element_product() * CELLS_OF_TILE as f64 > most {
             size *= 2.0;
         }
         self.origin = min;
@@ -101,4 +105,58 @@ impl Cells {
 fn z_order(within: IVec3) -> usize {
     const SPREAD: [usize; 8] = [0, 1, 8, 9, 64, 65, 72, 73];
     SPREAD[within.x as usize] | SPREAD[within.y as usize] << 1 | SPREAD[within.z as usize] << 2
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::neighbours::tests::random_points;
+
+    /// Every particle is in one cell's range, the ranges are in order, and of equal cells the first comes first.
+    fn check(positions: &[DVec3], radius: f64) -> Cells {
+        let (mut cells, mut order) = (Cells::default(), Vec::new());
+        cells.sort(positions, radius, &mut order);
+        let mut all = order.clone();
+        all.sort_unstable();
+        assert!(all.iter().copied().eq(0..positions.len() as u32), "an order of all");
+        let numbers: Vec<usize> =
+            order.iter().map(|&i| cells.number(cells.cell(positions[i as usize]))).collect();
+        let in_order = |n: usize| (numbers[n - 1], order[n - 1]) < (numbers[n], order[n]);
+        assert!((1..order.len()).all(in_order), "sorted by cells, then as before");
+        for (place, &i) in order.iter().enumerate() {
+            assert!(cells.particles(cells.cell(positions[i as usize])).contains(&place));
+        }
+        assert_eq!(*cells.starts.last().unwrap() as usize, positions.len());
+        cells
+    }
+
+    #[test]
+    fn sort_is_complete_and_stable() {
+        for count in [0, 1, 2, 255, 3000] {
+            let near = check(&random_points(count, 1.7, 5), 0.1);
+            assert!(count == 0 || near.per_metre == 10.0);
+            let shift = DVec3::new(1e5, -1e5, 1e5);
+            let far: Vec<DVec3> = random_points(count, 1.7, 5).iter().map(|x| *x + shift).collect();
+            assert_eq!(check(&far, 0.1).tiles, near.tiles);
+        }
+        check(&[DVec3::splat(0.3); 700], 0.1);
+    }
+
+    #[test]
+    fn wide_domains_get_larger_cells() {
+        let mut positions = random_points(300, 1.0, 6);
+        for width in [1e2, 1e5, 1e12] {
+            positions.push(DVec3::splat(width));
+            let cells = check(&positions, 0.1);
+            assert!(cells.starts.len() <= FEW_CELLS + 1 && 1.0 / cells.per_metre >= 0.1);
+        }
+    }
+
+    #[test]
+    fn nothing_is_outside() {
+        let cells = check(&random_points(100, 1.0, 7), 0.1);
+        for outside in [IVec3::new(-1, 0, 0), cells.tiles * TILE, IVec3::new(0, i32::MAX, 0)] {
+            assert!(cells.particles(outside).is_empty());
+        }
+    }
 }

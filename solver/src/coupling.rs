@@ -2,12 +2,11 @@
 //! al. 2020, section 4.3.
 
 use crate::bodies::Bodies;
-use crate::boundary::Boundary;
 use crate::fields::Fields;
 use crate::pressure::Solve;
 use volmap_runtime::DVec3;
 
-/// Adds the forces of a solve's pressures to the free bodies. `mass` is a particle's, kg.
+/// Adds forces and torques, one pair for each body, to those that are free.
 pub fn push(bodies: &mut Bodies, forces: &[[DVec3; 2]]) {
     for (body, &[force, torque]) in forces.iter().enumerate() {
         if bodies.is_free(body) {
@@ -22,8 +21,7 @@ pub fn forces(bodies: &Bodies, fields: &Fields, solve: &Solve, mass: f64) -> Vec
     if !(0..out.len()).any(|body| bodies.is_free(body)) {
         return out;
     }
-    let boundary: &Boundary = solve.boundary;
-    for contact in boundary.contacts() {
+    for contact in solve.boundary.contacts() {
         let particle = contact.particle as usize;
         let factor = solve.wall_factor(fields.places[particle][3], fields.densities[particle]);
         let force = mass * f64::from(factor) * DVec3::from_array(contact.gradient.map(f64::from));

@@ -49,8 +49,8 @@ pub struct Fields {
     pub(crate) steps: Vec<f32>,
 }
 
-/// Farther than any particle, in support radii.
-const FAR: f32 = 1e6;
+/// Farther than any particle, in support radii; its square is still a number.
+const FAR: f32 = 1e15;
 
 impl Fields {
     /// Takes places and velocities from the particles.

@@ -168,3 +168,6 @@ fn within_reach<V: Lanes>(candidates: &Candidates, at: Quad, own: u32, out: &mut
     }
     count
 }
+
+#[cfg(test)]
+pub(crate) mod tests;

@@ -144,3 +144,6 @@ fn splat<V: Lanes>(quad: Quad) -> [V; 3] {
 fn sums<V: Lanes>(factor: f32, vector: [V; 3]) -> [f32; 3] {
     [factor * vector[0].sum(), factor * vector[1].sum(), factor * vector[2].sum()]
 }
+
+#[cfg(test)]
+mod tests;

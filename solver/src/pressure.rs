@@ -15,6 +15,9 @@ use crate::pairs::lanes::Quad;
 use crate::settings::SolveSettings;
 use rayon::prelude::*;
 
+/// Factors times r^2 below this are those of particles without neighbours.
+const SMALLEST_FACTOR: f32 = 1e-8;
+
 /// How a solve went.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SolveReport {
@@ -47,6 +50,7 @@ impl Fields {
         self.sources.resize(self.len(), 0.0);
         self.steps.resize(self.len(), 0.0);
         let (pairs, velocities, dt) = (solve.with.pairs(&self.places), &self.velocities, solve.dt as f32);
+        let least = SMALLEST_FACTOR / (solve.with.support_radius * solve.with.support_radius) as f32;
         let (densities, factors) = (&self.densities, &self.factors);
         let chunks = self.sources.par_chunks_mut(CHUNK).zip(self.steps.par_chunks_mut(CHUNK));
         chunks.zip(solve.neighbours.chunks()).for_each(|((sources, steps), lists)| {
@@ -58,7 +62,7 @@ impl Fields {
                 let (source, factor) = (source(densities[particle], rate, dt), factors[particle]);
                 sources[within] = source.unwrap_or(0.0);
                 // A particle alone can't be compressed.
-                let takes_part = source.is_some() && factor > 1e-6;
+                let takes_part = source.is_some() && factor > least;
                 steps[within] = if takes_part { solve.relaxation / factor } else { 0.0 };
             }
         });

@@ -60,6 +60,10 @@ pub fn load(simulation: &mut Simulation, path: &Path, scene: [u8; 32]) -> Result
     {
         return Err(file.refuse("its lists have different lengths"));
     }
+    // Cells are laid around all places: those of no number or out of all bounds must not get there.
+    if !time.is_finite() || !particles.positions.iter().all(|&x| simulation.is_in_domain(x)) {
+        return Err(file.refuse("its numbers are out of range"));
+    }
     simulation.bodies.restore(file.get("bodies")?).map_err(|reason| file.refuse(reason))?;
     for (emitter, state) in simulation.emitters.iter_mut().zip(emitters) {
         emitter.state = state;

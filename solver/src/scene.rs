@@ -64,7 +64,8 @@ pub struct Scene {
     /// Gravity, m/s^2. Default: 9.81 downwards.
     #[serde(default = "default_gravity")]
     pub gravity: [f64; 3],
-    /// Particles that leave this box are removed and counted. Default: there is none.
+    /// Particles that leave this box are removed and counted. Default: fluid and bodies of the start, with a margin
+    /// on each side as wide as the diagonal of all that.
     #[serde(default)]
     pub domain: Option<Region>,
     /// Folder where baked meshes are kept. Default: `volmap` in the user's cache folder.
@@ -239,6 +240,7 @@ impl Scene {
         }
         check::fluid(&top.key("fluid"), &self.fluid)?;
         check::solver(&top.key("solver"), &self.solver)?;
+        check::viscosity(&top.key("fluid"), &self.fluid, &self.solver, &self.world())?;
         for (i, block) in self.blocks.iter().enumerate() {
             block.check(&top.key("blocks").item(i), self.spacing())?;
         }

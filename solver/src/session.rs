@@ -77,6 +77,13 @@ impl Session {
         } else {
             None
         };
+        if !settings.resume {
+            // One of an earlier run would be another run's; it goes before the tables that belong to it.
+            std::fs::remove_file(&checkpoint).or_else(ignore_missing).map_err(io(&checkpoint))?;
+        }
+        if settings.overwrite {
+            output::folder::clear(folder)?;
+        }
         let meshes: Vec<(&str, &TriangleMesh)> =
             meshes.iter().map(|(name, mesh)| (name.as_str(), mesh)).collect();
         let output = Output::open(folder, &output_settings(&scene), world, &meshes, start)?;
@@ -93,8 +100,6 @@ impl Session {
             notes,
         };
         if !settings.resume {
-            // One of an earlier run would be another run's.
-            std::fs::remove_file(&checkpoint).or_else(ignore_missing).map_err(io(&checkpoint))?;
             session.write_frame()?;
         }
         Ok(session)
@@ -196,7 +201,7 @@ fn refuse_to_replace(folder: &Path, settings: &RunSettings) -> Result<(), Error>
     let refuse =
         |reason: &str| Err(Error::Scene { place: folder.display().to_string(), reason: reason.into() });
     if settings.resume && !folder.join(CHECKPOINT).exists() {
-        return refuse("has no check-point to resume from: leave out --resume to begin");
+        return refuse("has no check-point to resume from: begin with --overwrite instead of --resume");
     }
     if !settings.resume && !settings.overwrite && file.exists() {
         return refuse("has a run already: --resume goes on with it, --overwrite replaces it");

@@ -12,6 +12,8 @@ pub struct SolverSettings {
     /// The solve that keeps the density: source term, Algorithm 1, CORRECT DENSITY ERROR.
     pub density: SolveSettings,
     /// The solve that keeps the velocity free of divergence: CORRECT DIVERGENCE ERROR.
+    #[serde(with = "DivergenceSolve")]
+    #[schemars(with = "DivergenceSolve")]
     pub divergence: SolveSettings,
     /// Relaxation of the Jacobi steps, omega of Algorithm 1.
     pub relaxation: f64,
@@ -30,12 +32,27 @@ pub struct SolverSettings {
 pub struct SolveSettings {
     /// Whether it is done at all.
     pub enabled: bool,
-    /// Largest mean error, in parts of the rest density: of the density itself, or of its change in a step.
+    /// Largest mean error of the density, in parts of the rest density.
     pub max_error: f64,
     /// Iterations at least.
     pub min_iterations: u32,
     /// Iterations at most; the statistics tell when they did not suffice.
     pub max_iterations: u32,
+}
+
+/// [`SolveSettings`] of the divergence solve in a scene's file: what isn't given has other defaults there.
+#[derive(Serialize, Deserialize, JsonSchema)]
+#[schemars(rename = "DivergenceSolve")]
+#[serde(remote = "SolveSettings", deny_unknown_fields, default = "SolveSettings::of_divergence")]
+struct DivergenceSolve {
+    /// Whether it is done at all.
+    enabled: bool,
+    /// Largest mean change of the density in a step, in parts of the rest density.
+    max_error: f64,
+    /// Iterations at least.
+    min_iterations: u32,
+    /// Iterations at most; the statistics tell when they did not suffice.
+    max_iterations: u32,
 }
 
 /// The time step: dt = factor * 0.4 * 2 rp / |v|max, within bounds.
@@ -60,7 +77,8 @@ pub struct TimeStepSettings {
 pub struct FluidSettings {
     /// Rest density rho_0, kg/m^3.
     pub rest_density: f64,
-    /// Kinematic viscosity nu, m^2/s (Bender et al. 2020, Eq. 16 with mu = nu rho); explicit.
+    /// Kinematic viscosity nu, m^2/s (Bender et al. 2020, Eq. 16 with mu = nu rho); explicit, so it bounds the time
+    /// step: r^2 / (120 nu) for the cubic spline.
     pub viscosity: f64,
     /// XSPH velocity smoothing, parts of the velocity difference (0: off).
     pub xsph: f64,
@@ -86,13 +104,8 @@ pub struct World {
 impl Default for SolverSettings {
     fn default() -> Self {
         SolverSettings {
-            density: SolveSettings { enabled: true, max_error: 5e-4, min_iterations: 2, max_iterations: 100 },
-            divergence: SolveSettings {
-                enabled: true,
-                max_error: 1e-3,
-                min_iterations: 1,
-                max_iterations: 100,
-            },
+            density: SolveSettings::default(),
+            divergence: SolveSettings::of_divergence(),
             relaxation: 0.5,
             mirrored_pressure: false,
             warm_start: 0.5,
@@ -102,8 +115,16 @@ impl Default for SolverSettings {
 }
 
 impl Default for SolveSettings {
+    /// Those of the density solve.
     fn default() -> Self {
-        SolverSettings::default().density
+        SolveSettings { enabled: true, max_error: 5e-4, min_iterations: 2, max_iterations: 100 }
+    }
+}
+
+impl SolveSettings {
+    /// The defaults of the divergence solve.
+    pub fn of_divergence() -> SolveSettings {
+        SolveSettings { enabled: true, max_error: 1e-3, min_iterations: 1, max_iterations: 100 }
     }
 }
 

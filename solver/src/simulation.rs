@@ -13,7 +13,7 @@ use crate::scene::Emitter;
 use crate::settings::{FluidSettings, SolveSettings, SolverSettings, World};
 use crate::stages::Stages;
 use crate::strays;
-use crate::time_step::time_step;
+use crate::time_step::{time_step, viscous_limit};
 use rayon::prelude::*;
 use volmap_runtime::{Closure, ClosureKind, DVec3, Kernel};
 
@@ -92,7 +92,7 @@ impl Simulation {
             _ => world.particle_radius * fluid.volume_factor.cbrt(),
         };
         Simulation {
-            domain: domain.unwrap_or_else(|| default_domain(&particles, &emitters, &bodies)),
+            domain: domain.unwrap_or_else(|| default_domain(&particles, &emitters, &bodies, &world)),
             closure: Closure::new(world.closure, kernel, radius),
             world,
             fluid,
@@ -168,7 +168,8 @@ impl Simulation {
             )));
         }
         let first = self.step == 0 && settings.adaptive;
-        let dt = time_step(settings, self.world.particle_radius, max_speed);
+        let viscous = viscous_limit(&self.fluid, self.world.kernel, self.world.support_radius);
+        let dt = time_step(settings, self.world.particle_radius, max_speed, viscous);
         Ok(if first { dt.min(settings.initial) } else { dt })
     }
 
@@ -256,7 +257,7 @@ impl Simulation {
             *position += dt * DVec3::new(x.into(), y.into(), z.into());
         });
         let radius = self.world.particle_radius;
-        strays::bring_back(&mut self.particles, self.boundary.inside(), &self.bodies, radius);
+        strays::bring_back(&mut self.particles, self.boundary.inside(), &self.bodies, radius, dt);
     }
 
     fn max_speed(&self) -> f64 {
@@ -322,6 +323,10 @@ impl Simulation {
         all.map(|(pressure, relative)| density * relative * relative * pressure).collect()
     }
 
+    pub(crate) fn is_in_domain(&self, x: DVec3) -> bool {
+        strays::is_within(x, self.domain)
+    }
+
     pub(crate) fn set_densities(&mut self, densities: Vec<f32>) {
         self.fields.densities = densities;
     }
@@ -332,8 +337,11 @@ impl Simulation {
     }
 }
 
-/// All that is there at the start, grown on each side by its own diagonal.
-fn default_domain(particles: &Particles, emitters: &[Emitter], bodies: &Bodies) -> [DVec3; 2] {
+/// Of the default domain, in support radii.
+const LEAST_MARGIN: f64 = 100.0;
+
+/// All that is there at the start, grown on each side by its own diagonal, or by what a drop may fall.
+fn default_domain(particles: &Particles, emitters: &[Emitter], bodies: &Bodies, world: &World) -> [DVec3; 2] {
     let mut points: Vec<DVec3> = particles.positions.clone();
     points.extend(emitters.iter().flat_map(|emitter| emitter.layer().iter().copied()));
     for body in bodies.posed() {
@@ -347,6 +355,6 @@ fn default_domain(particles: &Particles, emitters: &[Emitter], bodies: &Bodies) 
     }
     let min = points.iter().fold(DVec3::INFINITY, |min, &x| min.min(x));
     let max = points.iter().fold(DVec3::NEG_INFINITY, |max, &x| max.max(x));
-    let margin = DVec3::splat((max - min).length());
+    let margin = DVec3::splat((max - min).length().max(LEAST_MARGIN * world.support_radius));
     [min - margin, max + margin]
 }

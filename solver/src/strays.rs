@@ -1,37 +1,42 @@
 //! Particles where none may be: in a body, or out of the domain. Counted, brought back or removed, never in silence.
 //!
-//! A particle in a body is moved towards the surface, a little in every step, and loses the part of its velocity that
-//! leads deeper: so it gains no energy. The way out is along the normal, or, deeper than the map's band, along the
-//! shortest of 26 rays.
+//! A particle in a body is moved towards the surface and a little beyond, up to its radius in every step, and keeps no
+//! velocity along the way: what pressure would make of a particle that sees nothing but wall must not shoot it out. So it
+//! gains no energy. The way out is along the normal, or, deeper than the map's band, along the shortest of 26 rays.
 
 use crate::bodies::Bodies;
 use crate::boundary::Inside;
 use crate::particles::Particles;
 use volmap_runtime::{DVec3, PosedMap, Sample};
 
-/// A particle is moved by at most this part of its radius in a step.
-const PART_OF_RADIUS: f64 = 0.5;
+/// How far from the surface a particle is put down, in its radii: on it the wall's density alone would push it away.
+const BEYOND: f64 = 0.5;
 /// How far the way out is looked for, in support radii, and in which steps.
 const LONGEST_RAY: u32 = 64;
 const RAY_STEP: f64 = 1.0;
 
-/// Moves particles that are in bodies towards the surface. `inside` are those at the beginning of the step.
+/// Moves particles that are in bodies towards the surface, at the end of a step of `dt` seconds. `inside` are those at its
+/// beginning; places and velocities are new.
 pub fn bring_back<'a>(
     particles: &mut Particles,
     inside: impl Iterator<Item = &'a Inside>,
     bodies: &Bodies,
     particle_radius: f64,
+    dt: f64,
 ) {
     for &Inside { particle, body, way_out } in inside {
         let (particle, body) = (particle as usize, body as usize);
         let position = particles.positions[particle];
         let Some(way) = way_out.or_else(|| shortest_way(&bodies.posed()[body], position)) else { continue };
         let Some(direction) = way.try_normalize() else { continue };
-        let length = way.length().min(PART_OF_RADIUS * particle_radius);
-        particles.positions[particle] = position + length * direction;
         let own = DVec3::from_array(particles.velocities[particle].map(f64::from));
-        let deeper = (own - bodies.velocity_at(body, position)).dot(direction).min(0.0);
-        particles.velocities[particle] = (own - deeper * direction).as_vec3().to_array();
+        let along = (own - bodies.velocity_at(body, position)).dot(direction);
+        let length = (way.length() + BEYOND * particle_radius).min(particle_radius);
+        particles.positions[particle] = position + (length - along * dt) * direction;
+        particles.velocities[particle] = (own - along * direction).as_vec3().to_array();
+        // The next step must not begin with them: particles were seen to leave a wall at 30 m/s.
+        particles.pressures[particle] = 0.0;
+        particles.divergence_pressures[particle] = 0.0;
     }
 }
 
@@ -56,9 +61,14 @@ fn shortest_way(map: &PosedMap, point: DVec3) -> Option<DVec3> {
     })
 }
 
+/// Whether a place is in a box; one that is no number isn't.
+pub fn is_within(x: DVec3, [min, max]: [DVec3; 2]) -> bool {
+    x.cmpge(min).all() && x.cmple(max).all()
+}
+
 /// Removes the particles out of a box, and their densities; how many there were.
-pub fn remove_outside(particles: &mut Particles, densities: &mut Vec<f32>, [min, max]: [DVec3; 2]) -> usize {
-    let within = |x: &DVec3| x.cmpge(min).all() && x.cmple(max).all();
+pub fn remove_outside(particles: &mut Particles, densities: &mut Vec<f32>, domain: [DVec3; 2]) -> usize {
+    let within = |x: &DVec3| is_within(*x, domain);
     if particles.positions.iter().all(within) {
         return 0;
     }

@@ -11,6 +11,7 @@ use super::{Frame, io_error, publish};
 use crate::error::Error;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use volmap_formats::mesh::TriangleMesh;
 
@@ -181,6 +182,28 @@ impl Output {
         }
         Ok(summary)
     }
+}
+
+/// Takes away what an earlier run left in its folder, but for the tables, which [`Output::open`] makes anew.
+///
+/// # Errors
+/// A file that can't be removed.
+pub fn clear(folder: &Path) -> Result<(), Error> {
+    let mut files: Vec<PathBuf> =
+        ["stats.json", "poses.json", "particles.pvd", "animation.png"].map(|name| folder.join(name)).into();
+    for name in [PARTICLES, PICTURES] {
+        let Ok(entries) = std::fs::read_dir(folder.join(name)) else { continue };
+        let paths = entries.filter_map(|entry| Some(entry.ok()?.path()));
+        files.extend(paths.filter(|path| path.file_stem().is_some_and(is_frame)));
+    }
+    for file in files.iter().filter(|file| file.exists()) {
+        std::fs::remove_file(file).map_err(io_error(file))?;
+    }
+    Ok(())
+}
+
+fn is_frame(stem: &OsStr) -> bool {
+    stem.to_str().and_then(|stem| stem.strip_prefix("frame_")).is_some_and(|n| n.parse::<u64>().is_ok())
 }
 
 /// `None`: a new table; `Some(None)`: one without rows; `Some(Some(last))`: rows up to the last.

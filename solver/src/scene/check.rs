@@ -1,6 +1,7 @@
 //! Checks of a scene's values; a problem knows the way to its key.
 
-use crate::settings::{FluidSettings, SolveSettings, SolverSettings};
+use crate::settings::{FluidSettings, SolveSettings, SolverSettings, World};
+use crate::time_step::viscous_limit;
 
 /// One step from a table to a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -130,6 +131,19 @@ pub(super) fn solver(at: &At, solver: &SolverSettings) -> Checked {
     let inside = !step.adaptive || (step.min..=step.max).contains(&step.initial);
     at.require("initial", inside, || {
         format!("{} s is not within min, {} s, to max, {} s", step.initial, step.min, step.max)
+    })
+}
+
+/// Whether explicit viscosity is stable in the smallest step that may be taken.
+pub(super) fn viscosity(at: &At, fluid: &FluidSettings, solver: &SolverSettings, world: &World) -> Checked {
+    let limit = viscous_limit(fluid, world.kernel, world.support_radius);
+    let step = &solver.time_step;
+    let (key, least) = if step.adaptive { ("min", step.min) } else { ("initial", step.initial) };
+    at.require("viscosity", least <= limit, || {
+        format!(
+            "{} m^2/s needs time steps of at most {limit:.2e} s; solver.time_step.{key} is {least:e} s",
+            fluid.viscosity
+        )
     })
 }
 

@@ -1,0 +1,306 @@
+//! `volmap-sim run`: the same bytes on any number of threads and after any interruption; clear refusals.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::time::Duration;
+use tempfile::TempDir;
+
+/// Water and a jet in a tank of 1 m, with a cube that floats; two blocks overlap.
+const SCENE: &str = r#"
+version = 1
+particle_radius = 0.04
+
+[[blocks]]
+min = [-0.48, 0.0, -0.48]
+max = [0.0, 0.5, 0.48]
+
+[[blocks]]
+min = [-0.1, 0.06, -0.3]
+max = [0.3, 0.3, 0.3]
+velocity = [0.5, 0.0, 0.0]
+
+[[emitters]]
+position = [-0.2, 0.85, 0.0]
+direction = [0.0, -1.0, 0.0]
+speed = 2.0
+nozzle = { circle = { radius = 0.12 } }
+
+[[bodies]]
+name = "tank"
+mesh = "TANK"
+bake = { invert = true, scale = 0.322580645161 }
+
+[[bodies]]
+name = "float"
+mesh = "cube.obj"
+bake = { scale = 0.25 }
+translation = [0.2, 0.6, 0.0]
+motion = { free = { density = 400.0 } }
+
+[solver.time_step]
+max = 0.002
+
+[output]
+frames_per_second = 50.0
+preview = ["png"]
+checkpoint_interval = 0.03
+
+[stop]
+time = 0.24
+"#;
+
+const CUBE: &str = "v -.5 -.5 -.5\nv .5 -.5 -.5\nv -.5 .5 -.5\nv .5 .5 -.5\nv -.5 -.5 .5\nv .5 -.5 .5\nv -.5 .5 .5\nv .5 .5 .5\n\
+                    f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+
+/// A folder with a scene and room for runs.
+struct Place(TempDir);
+
+impl Place {
+    fn new(scene: &str) -> Place {
+        let place = Place(tempfile::tempdir().unwrap());
+        place.write(scene);
+        place
+    }
+
+    fn write(&self, scene: &str) {
+        let tank = Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/tank.obj");
+        let text = scene.replace("TANK", &tank.display().to_string().replace('\\', "/"));
+        std::fs::write(self.0.path().join("scene.toml"), text).unwrap();
+        std::fs::write(self.0.path().join("cube.obj"), CUBE).unwrap();
+    }
+
+    fn folder(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn command(&self, name: &str, arguments: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_volmap-sim"));
+        command
+            .arg("run")
+            .arg(self.0.path().join("scene.toml"))
+            .arg("-o")
+            .arg(self.folder(name))
+            .args(arguments);
+        // Maps are named by what they are made of: all tests share them.
+        command.env("XDG_CACHE_HOME", Path::new(env!("CARGO_TARGET_TMPDIR")).join("maps"));
+        command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        command
+    }
+
+    fn run(&self, name: &str, arguments: &[&str]) -> Output {
+        self.command(name, arguments).output().unwrap()
+    }
+
+    fn succeed(&self, name: &str, arguments: &[&str]) {
+        let done = self.run(name, arguments);
+        assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    }
+
+    /// What a run says that can't go on.
+    fn refuse(&self, name: &str, arguments: &[&str]) -> String {
+        let done = self.run(name, arguments);
+        let told = String::from_utf8(done.stderr).unwrap();
+        assert_eq!(done.status.code(), Some(1), "{told}");
+        let error = told.lines().find(|line| line.starts_with("error: "));
+        error.unwrap_or_else(|| panic!("no error: {told}")).to_owned()
+    }
+
+    /// Starts a run and waits until its table has some lines, or it has ended.
+    fn start_until(&self, name: &str, arguments: &[&str], lines: usize) -> Child {
+        let mut child = self.command(name, arguments).spawn().unwrap();
+        while self.lines(name) < lines && child.try_wait().unwrap().is_none() {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        child
+    }
+
+    fn lines(&self, name: &str) -> usize {
+        std::fs::read_to_string(self.folder(name).join("stats.csv")).map_or(0, |text| text.lines().count())
+    }
+
+    /// One column of stats.csv.
+    fn column(&self, name: &str, column: &str) -> Vec<f64> {
+        let mut table = csv::Reader::from_path(self.folder(name).join("stats.csv")).unwrap();
+        let at = table.headers().unwrap().iter().position(|header| header == column).unwrap();
+        table.records().map(|row| row.unwrap()[at].parse().unwrap()).collect()
+    }
+
+    /// All files of a run, wall-clock times apart.
+    fn content(&self, name: &str) -> BTreeMap<PathBuf, Vec<u8>> {
+        let mut files = BTreeMap::new();
+        collect(&self.folder(name), &mut files);
+        files.retain(|path, _| !path.ends_with("stats.json"));
+        let files = files.into_iter().map(|(path, bytes)| {
+            let bytes = if path.ends_with("stats.csv") { without_times(&bytes) } else { bytes };
+            (path.strip_prefix(self.folder(name)).unwrap().to_owned(), bytes)
+        });
+        files.collect()
+    }
+
+    fn assert_same(&self, a: &str, b: &str) {
+        let (a, b) = (self.content(a), self.content(b));
+        assert!(a.keys().eq(b.keys()), "{:?} {:?}", a.keys(), b.keys());
+        for (path, bytes) in &a {
+            assert!(*bytes == b[path], "{} differs", path.display());
+        }
+    }
+}
+
+fn collect(folder: &Path, files: &mut BTreeMap<PathBuf, Vec<u8>>) {
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            collect(&path, files);
+        } else {
+            files.insert(path.clone(), std::fs::read(&path).unwrap());
+        }
+    }
+}
+
+fn without_times(bytes: &[u8]) -> Vec<u8> {
+    let mut table = csv::Reader::from_reader(bytes);
+    let kept: Vec<bool> = table.headers().unwrap().iter().map(|header| !header.ends_with("_ms")).collect();
+    let rows = table.records().flat_map(|row| {
+        let row = row.unwrap();
+        let cells: Vec<&str> =
+            row.iter().zip(&kept).filter(|(_, kept)| **kept).map(|(cell, _)| cell).collect();
+        (cells.join(",") + "\n").into_bytes()
+    });
+    rows.collect()
+}
+
+#[test]
+fn bytes_do_not_depend_on_threads() {
+    let place = Place::new(SCENE);
+    for threads in ["1", "2", "4"] {
+        place.succeed(threads, &["--threads", threads, "--until", "0.1"]);
+    }
+    let files = place.content("1");
+    assert!(
+        files.contains_key(Path::new("checkpoint"))
+            && files.contains_key(Path::new("particles/frame_000005.vtu"))
+    );
+    place.assert_same("1", "2");
+    place.assert_same("1", "4");
+    // The cube and the jet are there.
+    assert!(place.column("1", "near_bodies").iter().any(|&n| n > 0.0));
+    assert!(place.column("1", "emitted").iter().sum::<f64>() > 0.0);
+}
+
+#[test]
+fn killed_runs_go_on_to_the_same_bytes() {
+    let place = Place::new(SCENE);
+    place.succeed("whole", &["--threads", "2"]);
+    let lines = place.lines("whole");
+    assert!(lines > 100);
+    let mut killed = 0;
+    for (after, extra) in [(5, 0), (30, 3), (30, 0), (60, 1), (85, 7), (100, 2)] {
+        let goes_on = place.folder("killed").join("checkpoint").exists();
+        let how = if goes_on { "--resume" } else { "--overwrite" };
+        let mut child = place.start_until("killed", &[how, "--threads", "1"], after);
+        std::thread::sleep(Duration::from_millis(extra));
+        // SIGKILL on Unix.
+        child.kill().unwrap();
+        killed += usize::from(!child.wait().unwrap().success());
+    }
+    assert!(killed >= 3, "most of them were at work");
+    place.succeed("killed", &["--resume"]);
+    place.assert_same("whole", "killed");
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupt_leaves_a_check_point() {
+    let place = Place::new(SCENE);
+    place.succeed("whole", &[]);
+    let child = place.start_until("stopped", &[], 20);
+    let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(sent.success());
+    let done = child.wait_with_output().unwrap();
+    let told = String::from_utf8_lossy(&done.stderr);
+    assert!(done.status.code() == Some(1) && told.contains("--resume"), "{:?} {told}", done.status);
+    assert!(place.lines("stopped") < place.lines("whole"));
+    assert!(place.folder("stopped").join("stats.json").exists());
+    place.succeed("stopped", &["--resume", "--steps", "60"]);
+    assert_eq!(place.lines("stopped"), 61);
+    place.succeed("stopped", &["--resume"]);
+    place.assert_same("whole", "stopped");
+}
+
+#[test]
+fn runs_are_not_replaced_or_mixed_up() {
+    let place = Place::new(SCENE);
+    assert!(place.refuse("run", &["--resume"]).contains("has no check-point"));
+    place.succeed("run", &["--until", "0.05"]);
+    let before = place.content("run");
+    assert!(place.refuse("run", &[]).contains("--resume goes on with it, --overwrite replaces it"));
+    place.write(&SCENE.replace("speed = 2.0", "speed = 2.1"));
+    assert!(place.refuse("run", &["--resume"]).contains("another scene"));
+    assert!(place.content("run") == before, "left as it is");
+    // Output may change.
+    place.write(&SCENE.replace("checkpoint_interval = 0.03", "checkpoint_interval = 0.01"));
+    place.succeed("run", &["--resume", "--until", "0.05"]);
+    let checkpoint = place.folder("run").join("checkpoint");
+    let mut damaged = std::fs::read(&checkpoint).unwrap();
+    damaged[5000] ^= 1;
+    std::fs::write(&checkpoint, damaged).unwrap();
+    assert!(place.refuse("run", &["--resume"]).contains("damaged"));
+    place.succeed("run", &["--overwrite", "--steps", "2"]);
+    place.succeed("fresh", &["--steps", "2"]);
+    place.assert_same("run", "fresh");
+    assert_eq!(place.run("run", &["--overwrite", "--until", "nan"]).status.code(), Some(2));
+    assert_eq!(place.run("run", &["--overwrite", "--resume"]).status.code(), Some(2));
+}
+
+#[test]
+fn explosions_end_with_their_cause() {
+    let place = Place::new(&SCENE.replace("max = 0.002", "adaptive = false\ninitial = 0.5"));
+    let viscous = place.refuse("out", &[]);
+    assert!(viscous.contains("viscosity") && viscous.contains("time_step.initial"), "{viscous}");
+    let text = SCENE.replace("max = 0.002", "adaptive = false\ninitial = 0.5\n[fluid]\nviscosity = 0.0");
+    place.write(&text);
+    let error = place.refuse("out", &[]);
+    assert!(error.contains("the largest speed is") && error.contains("solver.time_step"), "{error}");
+    place.write(&SCENE.replace("velocity = [0.5, 0.0, 0.0]", "velocity = [nan, 0.0, 0.0]"));
+    assert!(place.refuse("out", &["--overwrite"]).contains("NaN"));
+}
+
+/// Two jets leave a domain without bodies; nobody is lost in silence.
+#[test]
+fn particles_are_counted() {
+    let place = Place::new(
+        r#"
+        version = 1
+        particle_radius = 0.05
+        domain = { min = [-1, -1, -1], max = [1, 1, 1] }
+        blocks = [{ min = [-0.2, 0.6, -0.2], max = [0.2, 0.8, 0.2] }]
+        [[emitters]]
+        position = [0.0, 0.3, 0.0]
+        direction = [1.0, 0.0, 0.0]
+        speed = 4.0
+        nozzle = { box = { width = 0.2, height = 0.2 } }
+        [[emitters]]
+        position = [0.0, 0.0, 0.0]
+        direction = [0.0, 0.0, -1.0]
+        speed = 3.0
+        start = 0.1
+        nozzle = { circle = { radius = 0.1 } }
+        max_particles = 60
+        [output]
+        frames_per_second = 0
+        [stop]
+        time = 0.8
+        "#,
+    );
+    place.succeed("out", &[]);
+    let [particles, emitted, removed] =
+        ["particles", "emitted", "removed"].map(|column| place.column("out", column));
+    let mut count = 4.0 * 4.0 * 2.0;
+    for ((particles, emitted), removed) in particles.iter().zip(&emitted).zip(&removed) {
+        count += emitted - removed;
+        assert_eq!(*particles, count);
+    }
+    assert!(emitted.iter().sum::<f64>() > 100.0 && removed.iter().sum::<f64>() > 50.0);
+    assert!(place.column("out", "time").last().unwrap() >= &0.8);
+}
