@@ -49,6 +49,8 @@ pub struct Simulation {
     pub(crate) step: u64,
     /// Largest speed of a body where it touched the fluid in the last step, m/s.
     pub(crate) body_speed: f64,
+    /// Force and torque of the fluid on each body in the last step.
+    body_forces: Vec<[DVec3; 2]>,
     cells: Cells,
     order: Vec<u32>,
     neighbours: Neighbours,
@@ -103,6 +105,7 @@ impl Simulation {
             time: 0.0,
             step: 0,
             body_speed: 0.0,
+            body_forces: Vec::new(),
             cells: Cells::default(),
             order: Vec::new(),
             neighbours: Neighbours::default(),
@@ -118,6 +121,8 @@ impl Simulation {
     /// [`Error::Simulation`] when what is computed is no fluid any more; the state is then of no use.
     pub fn step(&mut self) -> Result<StepReport, Error> {
         self.stages.begin();
+        self.body_forces.clear();
+        self.body_forces.resize(self.bodies.posed().len(), [DVec3::ZERO; 2]);
         let emitted = self.emit();
         let max_speed = self.max_speed();
         let dt = self.time_step(max_speed)?;
@@ -206,7 +211,7 @@ impl Simulation {
         fields.keep_pressures(&mut self.particles.divergence_pressures);
         fields.accelerate(dt);
         self.fields = fields;
-        coupling::push(&mut self.bodies, &forces);
+        self.push(&forces);
         self.stages.end(|stages| &mut stages.divergence);
         report
     }
@@ -230,9 +235,17 @@ impl Simulation {
         fields.keep_pressures(&mut self.particles.pressures);
         fields.accelerate(dt);
         self.fields = fields;
-        coupling::push(&mut self.bodies, &forces);
+        self.push(&forces);
         self.stages.end(|stages| &mut stages.pressure);
         report
+    }
+
+    fn push(&mut self, forces: &[[DVec3; 2]]) {
+        coupling::push(&mut self.bodies, forces);
+        for (sum, force) in self.body_forces.iter_mut().zip(forces) {
+            sum[0] += force[0];
+            sum[1] += force[1];
+        }
     }
 
     fn solve<'a>(&'a self, settings: &'a SolveSettings, dt: f64) -> Solve<'a> {
@@ -303,6 +316,12 @@ impl Simulation {
     /// What it touches.
     pub fn bodies(&self) -> &Bodies {
         &self.bodies
+    }
+
+    /// The fluid's force (N) on each body in the last step, and its torque (N m) about the centre of mass; zero if no
+    /// body is free.
+    pub fn body_forces(&self) -> &[[DVec3; 2]] {
+        &self.body_forces
     }
 
     /// Mean number of neighbours in the last step, the filling of the last group included.
