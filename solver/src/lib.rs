@@ -27,5 +27,6 @@ pub mod simulation;
 pub mod stages;
 mod strays;
 pub mod time_step;
+pub mod validation;
 
 pub use error::Error;
