@@ -6,10 +6,16 @@
 //! Bender et al. 2020, *Implicit Frictional Boundary Handling for SPH*, section 5, has some of them; VALIDATION.md of
 //! this crate tells all of them with their figures.
 
+pub mod dam_break;
+pub mod floats;
+pub mod flow;
+pub mod grid;
 pub mod hydrostatic;
+pub mod incline;
 pub mod momentum;
 pub mod observe;
 pub mod shapes;
+pub mod sphere;
 pub mod table;
 
 use crate::error::Error;
@@ -31,7 +37,7 @@ pub struct Experiment {
 }
 
 /// All of them.
-pub const EXPERIMENTS: &[Experiment] = &[hydrostatic::EXPERIMENT, momentum::EXPERIMENT];
+pub const EXPERIMENTS: &[Experiment] = &[hydrostatic::EXPERIMENT, momentum::EXPERIMENT, dam_break::EXPERIMENT, floats::EXPERIMENT, sphere::EXPERIMENT, incline::EXPERIMENT, grid::EXPERIMENT];
 
 /// How an experiment is done.
 pub struct Run<'a> {

@@ -31,7 +31,7 @@ fn run(run: &Run) -> Result<Outcome, Error> {
     let support = 4.0 * RP;
     let tank = Tank { shape: baked(hollow(), support, true)? };
     let ball = baked(ball(0.16, 5), support, false)?;
-    let cells = |part: f64| baked_finely(cube(), support, part * support);
+    let cells = |part: f64| baked_finely(cube(), support, part * support, false);
     let fine = cells(0.25)?;
     let held: &[(&str, &Shape)] = &[("ball", &ball), ("box", &fine)];
     for (name, shape) in held {

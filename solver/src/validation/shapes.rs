@@ -24,6 +24,19 @@ pub struct Shape {
 /// # Errors
 /// As [`bake`].
 pub fn baked(mesh: TriangleMesh, support_radius: f64, container: bool) -> Result<Shape, Error> {
+    baked_finely(mesh, support_radius, 0.5 * support_radius, container)
+}
+
+/// The same with cells of another size, metres.
+///
+/// # Errors
+/// As [`bake`].
+pub fn baked_finely(
+    mesh: TriangleMesh,
+    support_radius: f64,
+    cell_size: f64,
+    container: bool,
+) -> Result<Shape, Error> {
     let input = Input {
         mesh: mesh.clone(),
         source: Source { file: "made".into(), format: "none".into(), blake3: String::new() },
@@ -33,7 +46,7 @@ pub fn baked(mesh: TriangleMesh, support_radius: f64, container: bool) -> Result
     };
     let map = Settings {
         support_radius: Some(support_radius),
-        grid: GridChoice::CellSize(0.5 * support_radius),
+        grid: GridChoice::CellSize(cell_size),
         invert: container,
         ..Settings::default()
     };
