@@ -9,6 +9,7 @@ use crate::fields::{Discretization, Fields};
 use crate::neighbours::{CHUNK, Neighbours};
 use crate::particles::Particles;
 use crate::pressure::{Solve, SolveReport};
+use crate::response::Response;
 use crate::scene::Emitter;
 use crate::settings::{FluidSettings, SolveSettings, SolverSettings, World};
 use crate::stages::Stages;
@@ -205,7 +206,7 @@ impl Simulation {
         }
         self.fields.set_pressures(&self.particles.divergence_pressures, self.solver.warm_start as f32);
         let mut fields = std::mem::take(&mut self.fields);
-        let solve = self.solve(&self.solver.divergence, dt);
+        let solve = self.solve(&self.solver.divergence, false, dt);
         let report = fields.correct_divergence(&solve);
         let forces = coupling::forces(&self.bodies, &fields, &solve, self.particle_mass());
         fields.keep_pressures(&mut self.particles.divergence_pressures);
@@ -229,7 +230,7 @@ impl Simulation {
         }
         self.fields.set_pressures(&self.particles.pressures, self.solver.warm_start as f32);
         let mut fields = std::mem::take(&mut self.fields);
-        let solve = self.solve(&self.solver.density, dt);
+        let solve = self.solve(&self.solver.density, true, dt);
         let report = fields.correct_density(&solve);
         let forces = coupling::forces(&self.bodies, &fields, &solve, self.particle_mass());
         fields.keep_pressures(&mut self.particles.pressures);
@@ -248,11 +249,13 @@ impl Simulation {
         }
     }
 
-    fn solve<'a>(&'a self, settings: &'a SolveSettings, dt: f64) -> Solve<'a> {
+    /// `after_gravity`: the fluid's velocities have been changed by gravity and the first solve, the bodies' not yet.
+    fn solve<'a>(&'a self, settings: &'a SolveSettings, after_gravity: bool, dt: f64) -> Solve<'a> {
         Solve {
             with: self.discretization(),
             neighbours: &self.neighbours,
             boundary: &self.boundary,
+            response: Response::new(&self.bodies, &self.boundary, self.particle_mass(), after_gravity),
             settings,
             mirrored: self.solver.mirrored_pressure,
             relaxation: self.solver.relaxation as f32,

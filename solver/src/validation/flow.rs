@@ -30,7 +30,12 @@ pub fn water(
 ) -> Result<Simulation, Error> {
     let gravity = DVec3::new(0.0, -GRAVITY, 0.0);
     let mut solver = SolverSettings::default();
-    solver.time_step.min = 1e-6;
+    // As times of a body that falls by a particle's size.
+    let scale = (particle_radius / 0.025).sqrt();
+    let time_step = &mut solver.time_step;
+    time_step.initial *= scale;
+    time_step.max *= scale;
+    time_step.min = 1e-6;
     let mut particles = Particles::default();
     particles.add(places, &vec![[0.0; 3]; places.len()]);
     Ok(Simulation::new(Setup {
