@@ -1,9 +1,9 @@
 //! A column of water collapses: Martin and Moyce 1952, *An Experimental Study of the Collapse of Liquid Columns on a
 //! Rigid Horizontal Plane*, Phil. Trans. R. Soc. A 244, 312-324; columns of width a and height n^2 a.
 
-use super::flow::{GRAVITY, lattice, water};
+use super::flow::{bake, GRAVITY, lattice, water};
 use super::observe::{percentile, until};
-use super::shapes::{baked, cuboid};
+use super::shapes::{cuboid};
 use super::{Experiment, Outcome, Row, Run, chart, curve};
 use crate::bodies::Motion;
 use crate::error::Error;
@@ -111,7 +111,7 @@ fn collapse(across: u32, end: f64) -> Result<Measured, Error> {
     let radius = 0.5 * WIDTH / f64::from(across);
     let depth = 10.0 * 2.0 * radius;
     let tank = cuboid(DVec3::ZERO, DVec3::new(7.0 * WIDTH, 2.5 * ASPECT * WIDTH, depth));
-    let tank = baked(tank, 4.0 * radius, true)?.body("tank", DVec3::ZERO, Motion::Static);
+    let tank = bake(tank, 4.0 * radius, true)?.body("tank", DVec3::ZERO, Motion::Static);
     let places = lattice(DVec3::ZERO, DVec3::new(WIDTH, ASPECT * WIDTH, depth), radius);
     let mut simulation = water(radius, &places, 0.0, vec![tank])?;
     let unit = (WIDTH / GRAVITY).sqrt();

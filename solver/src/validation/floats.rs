@@ -1,9 +1,9 @@
 //! Balls, boxes and a duck in water: Archimedes. A floating body displaces its weight of water; one that is held under
 //! water is pushed up by the weight of what it displaces.
 
-use super::flow::{GRAVITY, lattice, volume_below, water};
+use super::flow::{bake, GRAVITY, lattice, volume_below, water};
 use super::observe::{line, until};
-use super::shapes::{Shape, baked, baked_finely, ball, cuboid};
+use super::shapes::{Shape, baked_finely, ball, cuboid};
 use super::{Experiment, Outcome, Row, Run, chart, curve};
 use crate::bodies::{BodyDescription, FreeBody, Motion, Weight};
 use crate::error::Error;
@@ -29,8 +29,8 @@ const RHO: f64 = 1000.0;
 fn run(run: &Run) -> Result<Outcome, Error> {
     let mut outcome = Outcome::default();
     let support = 4.0 * RP;
-    let tank = Tank { shape: baked(hollow(), support, true)? };
-    let ball = baked(ball(0.16, 5), support, false)?;
+    let tank = Tank { shape: bake(hollow(), support, true)? };
+    let ball = bake(ball(0.16, 5), support, false)?;
     let cells = |part: f64| baked_finely(cube(), support, part * support, false);
     let fine = cells(0.25)?;
     let held: &[(&str, &Shape)] = &[("ball", &ball), ("box", &fine)];
@@ -112,7 +112,8 @@ fn held_under_water(run: &Run, outcome: &mut Outcome, tank: &Tank, (name, shape)
     let case = format!("{name}, held");
     outcome.rows.push(Row::new(&case, "lift over weight of displaced water", "", push.y).between(0.97, 1.03));
     outcome.rows.push(Row::new(&case, "force sideways over the same", "", push.x.hypot(push.z)).at_most(0.02));
-    outcome.rows.push(Row::new(&case, "slope of pressure over rho g", "", pressure_line(&simulation)[1]));
+    outcome.rows.push(Row::new(&case, "slope of pressure over rho g", "", -pressure_line(&simulation)[1]));
+    outcome.rows.push(Row::new(&case, "water's density by counting, over rho_0", "", counted_density(&simulation)));
     Ok(())
 }
 
@@ -126,6 +127,18 @@ fn pressure_line(simulation: &Simulation) -> [f64; 2] {
     let all = simulation.particles().positions.iter().zip(&pressures).filter(|(x, _)| far(x));
     let points: Vec<[f64; 2]> = all.map(|(x, &p)| [x.y, f64::from(p) / (RHO * GRAVITY)]).collect();
     line(&points)
+}
+
+/// Mass of the particles in a frame around the body, over its volume and rho_0; each counts as the part of its cube that is
+/// in the frame.
+fn counted_density(simulation: &Simulation) -> f64 {
+    let [low, high] = [4.0 * RP, DEPTH - 8.0 * RP];
+    let [inner, outer] = [0.25, HALF_WIDTH - 3.0 * RP];
+    let part = |x: f64, from: f64, to: f64| (((x + RP).min(to) - (x - RP).max(from)) / (2.0 * RP)).max(0.0);
+    let square = |x: &DVec3, half: f64| part(x.x, -half, half) * part(x.z, -half, half);
+    let all = simulation.particles().positions.iter();
+    let count: f64 = all.map(|x| part(x.y, low, high) * (square(x, outer) - square(x, inner))).sum();
+    count * simulation.particle_volume() / ((high - low) * 4.0 * (outer * outer - inner * inner))
 }
 
 /// Mean height of the highest particles in columns far from the body and the walls, and a particle radius.
