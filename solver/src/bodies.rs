@@ -168,7 +168,8 @@ impl Bodies {
         let (Motion::Free(free), Some(mass)) = (&self.bodies[body].motion, &self.bodies[body].mass) else {
             return [DVec3::ZERO; 2];
         };
-        let unlocked = |locked: [bool; 3]| DVec3::from_array(locked.map(|locked| if locked { 0.0 } else { 1.0 }));
+        let unlocked =
+            |locked: [bool; 3]| DVec3::from_array(locked.map(|locked| if locked { 0.0 } else { 1.0 }));
         let angular = mass.angular_velocity(self.posed[body].pose.rotation, torque);
         [force / mass.mass * unlocked(free.locked_translation), angular * unlocked(free.locked_rotation)]
     }

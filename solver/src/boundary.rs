@@ -102,7 +102,8 @@ impl ChunkContacts {
         let (first, positions) = chunk;
         let map: &PosedMap = &bodies.posed()[body];
         map.sample_with_gradient_batch(positions, &mut self.samples);
-        for (within, ((sample, volume_gradient), &position)) in self.samples.iter().zip(positions).enumerate() {
+        for (within, ((sample, volume_gradient), &position)) in self.samples.iter().zip(positions).enumerate()
+        {
             let particle = (first + within) as u32;
             let inside = |way_out| Inside { particle, body: body as u32, way_out };
             let near = match sample {
@@ -117,8 +118,11 @@ impl ChunkContacts {
                 self.inside.push(inside(Some(-near.distance * near.normal)));
             }
             let distance = |point| map.values(point).distance;
-            static G: std::sync::LazyLock<bool> = std::sync::LazyLock::new(|| std::env::var("NORMAL").is_err());
-            if let Some(density) = closure.density_probing(near, G.then_some(*volume_gradient), position, distance) {
+            static G: std::sync::LazyLock<bool> =
+                std::sync::LazyLock::new(|| std::env::var("NORMAL").is_err());
+            if let Some(density) =
+                closure.density_probing(near, G.then_some(*volume_gradient), position, distance)
+            {
                 self.contacts.push(Contact {
                     particle,
                     body: body as u32,

@@ -1,10 +1,10 @@
 //! What a step computes of the particles. Made anew in every step; only [`crate::particles::Particles`] lasts.
 
+use crate::boundary::Boundary;
 use crate::neighbours::{CHUNK, Neighbours};
 use crate::pairs::lanes::Quad;
 use crate::pairs::{Density, Pairs};
 use crate::particles::Particles;
-use crate::boundary::Boundary;
 use rayon::prelude::*;
 use volmap_runtime::{DVec3, KernelKind};
 
@@ -101,7 +101,8 @@ impl Fields {
             pairs.density(lists, sums);
             for (within, sum) in sums.iter().enumerate() {
                 let wall = boundary.of_particle[lists.first + within];
-                let [x, y, z]: [f32; 3] = std::array::from_fn(|axis| sum.gradient[axis] + wall.gradient[axis]);
+                let [x, y, z]: [f32; 3] =
+                    std::array::from_fn(|axis| sum.gradient[axis] + wall.gradient[axis]);
                 densities[within] = sum.density + wall.density;
                 factors[within] = x * x + y * y + z * z + sum.squares;
             }

@@ -63,7 +63,9 @@ impl Neighbours {
     /// Bytes held.
     pub fn memory_bytes(&self) -> usize {
         let of = |lists: &Lists| {
-            4 * lists.starts.capacity() + 4 * LANES * lists.groups.capacity() + lists.candidates.memory_bytes()
+            4 * lists.starts.capacity()
+                + 4 * LANES * lists.groups.capacity()
+                + lists.candidates.memory_bytes()
         };
         self.chunks.iter().map(of).sum()
     }
@@ -95,7 +97,8 @@ impl Candidates {
         for z in -1..=1 {
             for y in -1..=1 {
                 for x in -1..=1 {
-                    self.indices.extend(cells.particles(cell + IVec3::new(x, y, z)).map(|index| index as u32));
+                    self.indices
+                        .extend(cells.particles(cell + IVec3::new(x, y, z)).map(|index| index as u32));
                 }
             }
         }

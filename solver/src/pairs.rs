@@ -13,9 +13,9 @@ pub(crate) mod lanes;
 mod viscosity;
 
 use crate::neighbours::{CHUNK, Lists};
-use volmap_runtime::KernelKind;
 use kernels::{CubicSpline, KernelLanes, Poly6, Spiky, WendlandC2};
 use lanes::{Lanes, Quad, Work, dispatch};
+use volmap_runtime::KernelKind;
 
 pub use density::Density;
 

@@ -45,7 +45,8 @@ impl Particles {
     /// Whether all lists have one length.
     pub fn is_even(&self) -> bool {
         let count = self.len();
-        let others = [self.velocities.len(), self.pressures.len(), self.divergence_pressures.len(), self.ids.len()];
+        let others =
+            [self.velocities.len(), self.pressures.len(), self.divergence_pressures.len(), self.ids.len()];
         others.iter().all(|&other| other == count)
     }
 

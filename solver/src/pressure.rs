@@ -56,8 +56,10 @@ impl Fields {
             for within in 0..sources.len() {
                 let particle = lists.first + within;
                 let wall = &solve.boundary.of_particle[particle];
-                let [known, bound] = [body_flux, body_factors].map(|all| all.get(particle).copied().unwrap_or(0.0));
-                let rate = sources[within] + dot(velocities[particle], wall.gradient) - wall.flux - dt * known;
+                let [known, bound] =
+                    [body_flux, body_factors].map(|all| all.get(particle).copied().unwrap_or(0.0));
+                let rate =
+                    sources[within] + dot(velocities[particle], wall.gradient) - wall.flux - dt * known;
                 let (source, factor) = (source(densities[particle], rate, dt), factors[particle] + bound);
                 sources[within] = source.unwrap_or(0.0);
                 // A particle alone can't be compressed.

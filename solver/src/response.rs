@@ -53,7 +53,8 @@ impl<'a> Response<'a> {
             *sum += force;
             *torque += self.arm(contact).cross(force);
         }
-        let motion = |(body, [force, torque]): (usize, &[DVec3; 2])| self.bodies.response(body, *force, *torque);
+        let motion =
+            |(body, [force, torque]): (usize, &[DVec3; 2])| self.bodies.response(body, *force, *torque);
         let motions: Motions = pushes.iter().enumerate().map(motion).collect();
         self.add(&motions, flux);
     }
@@ -68,11 +69,14 @@ impl<'a> Response<'a> {
             *angular += self.arm(contact).cross(gradient(contact)).length();
         }
         let inverse = |body: usize| {
-            let square = |turn: bool| DVec3::AXES.map(|axis| {
-                let unit = [DVec3::ZERO, axis];
-                let motion = self.bodies.response(body, unit[usize::from(!turn)], unit[usize::from(turn)]);
-                motion[usize::from(turn)].length_squared()
-            });
+            let square = |turn: bool| {
+                DVec3::AXES.map(|axis| {
+                    let unit = [DVec3::ZERO, axis];
+                    let motion =
+                        self.bodies.response(body, unit[usize::from(!turn)], unit[usize::from(turn)]);
+                    motion[usize::from(turn)].length_squared()
+                })
+            };
             let linear = square(false).into_iter().fold(0.0, f64::max).sqrt();
             [linear, square(true).iter().sum::<f64>().sqrt()]
         };

@@ -54,7 +54,10 @@ pub fn load(simulation: &mut Simulation, path: &Path, scene: [u8; 32]) -> Result
     let densities = file.get_f32("densities")?;
     let emitters: Vec<_> = serde_json::from_slice(file.get("emitters")?)
         .map_err(|error| file.refuse(format!("emitters: {error}")))?;
-    if !particles.is_even() || densities.len() != particles.len() || emitters.len() != simulation.emitters.len() {
+    if !particles.is_even()
+        || densities.len() != particles.len()
+        || emitters.len() != simulation.emitters.len()
+    {
         return Err(file.refuse("its lists have different lengths"));
     }
     simulation.bodies.restore(file.get("bodies")?).map_err(|reason| file.refuse(reason))?;

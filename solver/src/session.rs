@@ -104,7 +104,10 @@ impl Session {
     ///
     /// # Errors
     /// [`Error::Simulation`]; files that can't be written. What has been written stays, and the last check-point.
-    pub fn run(&mut self, go_on: &mut dyn FnMut(&Progress) -> bool) -> Result<output::statistics::Summary, Error> {
+    pub fn run(
+        &mut self,
+        go_on: &mut dyn FnMut(&Progress) -> bool,
+    ) -> Result<output::statistics::Summary, Error> {
         while !self.is_done() {
             let report = self.simulation.step()?;
             let writing = Instant::now();
@@ -190,7 +193,8 @@ impl Session {
 /// A folder with a run in it is left alone unless one says what is to be done.
 fn refuse_to_replace(folder: &Path, settings: &RunSettings) -> Result<(), Error> {
     let file = folder.join(STATISTICS);
-    let refuse = |reason: &str| Err(Error::Scene { place: folder.display().to_string(), reason: reason.into() });
+    let refuse =
+        |reason: &str| Err(Error::Scene { place: folder.display().to_string(), reason: reason.into() });
     if settings.resume && !folder.join(CHECKPOINT).exists() {
         return refuse("has no check-point to resume from: leave out --resume to begin");
     }

@@ -121,6 +121,12 @@ impl Default for FluidSettings {
 
 impl Default for World {
     fn default() -> Self {
-        World { particle_radius: 0.025, support_radius: 0.1, kernel: KernelKind::CubicSpline, closure: ClosureKind::Mirror, gravity: DVec3::new(0.0, -9.81, 0.0) }
+        World {
+            particle_radius: 0.025,
+            support_radius: 0.1,
+            kernel: KernelKind::CubicSpline,
+            closure: ClosureKind::Mirror,
+            gravity: DVec3::new(0.0, -9.81, 0.0),
+        }
     }
 }

@@ -57,18 +57,13 @@ fn shortest_way(map: &PosedMap, point: DVec3) -> Option<DVec3> {
 }
 
 /// Removes the particles out of a box, and their densities; how many there were.
-pub fn remove_outside(
-    particles: &mut Particles,
-    densities: &mut Vec<f32>,
-    [min, max]: [DVec3; 2],
-) -> usize {
+pub fn remove_outside(particles: &mut Particles, densities: &mut Vec<f32>, [min, max]: [DVec3; 2]) -> usize {
     let within = |x: &DVec3| x.cmpge(min).all() && x.cmple(max).all();
     if particles.positions.iter().all(within) {
         return 0;
     }
     let count = particles.len();
-    let kept: Vec<u32> =
-        (0..count).filter(|&i| within(&particles.positions[i])).map(|i| i as u32).collect();
+    let kept: Vec<u32> = (0..count).filter(|&i| within(&particles.positions[i])).map(|i| i as u32).collect();
     particles.reorder(&kept);
     *densities = kept.iter().map(|&old| densities[old as usize]).collect();
     count - kept.len()

@@ -37,7 +37,15 @@ pub struct Experiment {
 }
 
 /// All of them.
-pub const EXPERIMENTS: &[Experiment] = &[hydrostatic::EXPERIMENT, momentum::EXPERIMENT, dam_break::EXPERIMENT, floats::EXPERIMENT, sphere::EXPERIMENT, incline::EXPERIMENT, grid::EXPERIMENT];
+pub const EXPERIMENTS: &[Experiment] = &[
+    hydrostatic::EXPERIMENT,
+    momentum::EXPERIMENT,
+    dam_break::EXPERIMENT,
+    floats::EXPERIMENT,
+    sphere::EXPERIMENT,
+    incline::EXPERIMENT,
+    grid::EXPERIMENT,
+];
 
 /// How an experiment is done.
 pub struct Run<'a> {

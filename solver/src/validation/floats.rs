@@ -1,7 +1,7 @@
 //! Balls, boxes and a duck in water: Archimedes. A floating body displaces its weight of water; one that is held under
 //! water is pushed up by the weight of what it displaces.
 
-use super::flow::{bake, GRAVITY, lattice, volume_below, water};
+use super::flow::{GRAVITY, bake, lattice, volume_below, water};
 use super::observe::{line, until};
 use super::shapes::{Shape, baked_finely, ball, cuboid};
 use super::{Experiment, Outcome, Row, Run, chart, curve};
@@ -33,7 +33,8 @@ fn run(run: &Run) -> Result<Outcome, Error> {
     let ball = bake(ball(0.16, 5), support, false)?;
     let cells = |part: f64| baked_finely(cube(), support, part * support, false);
     let fine = cells(0.25)?;
-    let held: &[(&str, &Shape)] = &[("ball", &ball), ("box", &fine)];
+    let all: [(&str, &Shape); 2] = [("ball", &ball), ("box", &fine)];
+    let held = &all[..run.pick(1, 2)];
     for (name, shape) in held {
         (run.progress)(&format!("floats: {name} held under water"));
         held_under_water(run, &mut outcome, &tank, (name, shape))?;
@@ -96,10 +97,15 @@ fn free(density: f64, locked: bool) -> Motion {
 }
 
 /// The force on a body that can't move, over the weight of the water that it displaces.
-fn held_under_water(run: &Run, outcome: &mut Outcome, tank: &Tank, (name, shape): (&str, &Shape)) -> Result<(), Error> {
-    let end = run.pick(1.0, 3.0);
+fn held_under_water(
+    run: &Run,
+    outcome: &mut Outcome,
+    tank: &Tank,
+    (name, shape): (&str, &Shape),
+) -> Result<(), Error> {
+    let end = run.pick(0.8, 3.0);
     let body = shape.body(name, DVec3::new(0.0, 0.3, 0.0), free(RHO, true));
-    let displaced = RHO * GRAVITY * volume_below(&shape.mesh, body.pose, f64::INFINITY.min(9.0));
+    let displaced = RHO * GRAVITY * volume_below(&shape.mesh, body.pose, 9.0);
     let mut simulation = tank.with(body)?;
     let (mut push, mut time) = (DVec3::ZERO, 0.0);
     until(&mut simulation, end, &mut |simulation, report| {
@@ -111,9 +117,16 @@ fn held_under_water(run: &Run, outcome: &mut Outcome, tank: &Tank, (name, shape)
     let push = push / time / displaced;
     let case = format!("{name}, held");
     outcome.rows.push(Row::new(&case, "lift over weight of displaced water", "", push.y).between(0.97, 1.03));
-    outcome.rows.push(Row::new(&case, "force sideways over the same", "", push.x.hypot(push.z)).at_most(0.02));
+    outcome
+        .rows
+        .push(Row::new(&case, "force sideways over the same", "", push.x.hypot(push.z)).at_most(0.02));
     outcome.rows.push(Row::new(&case, "slope of pressure over rho g", "", -pressure_line(&simulation)[1]));
-    outcome.rows.push(Row::new(&case, "water's density by counting, over rho_0", "", counted_density(&simulation)));
+    outcome.rows.push(Row::new(
+        &case,
+        "water's density by counting, over rho_0",
+        "",
+        counted_density(&simulation),
+    ));
     Ok(())
 }
 
@@ -162,7 +175,7 @@ fn floating(
     tank: &Tank,
     (name, shape, density): (&str, &Shape, f64),
 ) -> Result<Vec<[f64; 2]>, Error> {
-    let end = run.pick(2.0, 6.0);
+    let end = run.pick(1.6, 5.0);
     let part = density / RHO;
     // At about its depth, a little too high.
     let height = DEPTH + 0.28 * (0.5 - part) + 0.05;

@@ -108,7 +108,8 @@ mod tests {
     #[test]
     fn a_turned_box_is_half_under_water_at_its_middle() {
         let cube = cuboid(DVec3::splat(-0.5), DVec3::splat(0.5));
-        let pose = Pose { rotation: DQuat::from_rotation_x(0.6) * DQuat::from_rotation_z(0.3), ..Pose::default() };
+        let pose =
+            Pose { rotation: DQuat::from_rotation_x(0.6) * DQuat::from_rotation_z(0.3), ..Pose::default() };
         assert!((volume_below(&cube, pose, 0.0) - 0.5).abs() < 1e-12);
         assert!((volume_below(&cube, pose, 2.0) - 1.0).abs() < 1e-12);
         assert_eq!(volume_below(&cube, pose, -2.0), 0.0);

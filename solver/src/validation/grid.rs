@@ -136,7 +136,8 @@ fn pour(run: &Run, outcome: &mut Outcome, radius: f64) -> Result<(), Error> {
     let grid = baked_finely(bars(5), 4.0 * radius, (2.0 * radius).min(0.25 * BAR), false)?;
     let tank = bake(cuboid(DVec3::new(-0.35, -0.4, -0.35), DVec3::new(0.35, 0.6, 0.35)), 4.0 * radius, true)?;
     let places = lattice(DVec3::new(-0.2, 0.05, -0.2), DVec3::new(0.2, run.pick(0.25, 0.45), 0.2), radius);
-    let bodies = vec![grid.body("grid", DVec3::ZERO, Motion::Static), tank.body("tank", DVec3::ZERO, Motion::Static)];
+    let bodies =
+        vec![grid.body("grid", DVec3::ZERO, Motion::Static), tank.body("tank", DVec3::ZERO, Motion::Static)];
     let mut simulation = water(radius, &places, 0.001, bodies)?;
     let wall = simulation.bodies().posed()[0].clone();
     let mut leaks = Leaks::default();
@@ -160,7 +161,10 @@ fn hold(run: &Run, outcome: &mut Outcome) -> Result<(), Error> {
     let plate: Shape = baked_finely(plate, support, support / 8.0, false)?;
     let tank = bake(cuboid(DVec3::new(-half, -low, -half), DVec3::new(half, 0.8, half)), support, true)?;
     let places = lattice(DVec3::new(-half, 0.5 * thickness, -half), DVec3::new(half, 0.5, half), radius);
-    let bodies = vec![plate.body("plate", DVec3::ZERO, Motion::Static), tank.body("tank", DVec3::ZERO, Motion::Static)];
+    let bodies = vec![
+        plate.body("plate", DVec3::ZERO, Motion::Static),
+        tank.body("tank", DVec3::ZERO, Motion::Static),
+    ];
     let mut simulation = water(radius, &places, 0.01, bodies)?;
     let wall = simulation.bodies().posed()[0].clone();
     let mut leaks = Leaks::default();

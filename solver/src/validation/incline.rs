@@ -1,7 +1,7 @@
 //! Single particles slide down a plane: Bender et al. 2020, *Implicit Frictional Boundary Handling for SPH*, Fig. 7. On
 //! boundaries made of particles they are bumped to the sides; on a smooth one they go straight, with g sin(slope).
 
-use super::flow::{bake, GRAVITY, water};
+use super::flow::{GRAVITY, bake, water};
 use super::observe::until;
 use super::shapes::{Shape, cuboid};
 use super::{Experiment, Outcome, Row, Run, chart, curve};
@@ -53,7 +53,13 @@ fn slide(outcome: &mut Outcome, plane: &Shape, degrees: f64) -> Result<Vec<[f64;
     // Farther apart than they reach, so that each is alone; odd steps, to meet all places of a cell.
     let step = 4.3 * RP;
     let starts: Vec<DVec3> = (0..SIDE * SIDE)
-        .map(|n| DVec3::new(2.0 + step * f64::from(n % SIDE - SIDE / 2), 1.2 * RP, step * f64::from(n / SIDE - SIDE / 2)))
+        .map(|n| {
+            DVec3::new(
+                2.0 + step * f64::from(n % SIDE - SIDE / 2),
+                1.2 * RP,
+                step * f64::from(n / SIDE - SIDE / 2),
+            )
+        })
         .collect();
     let places: Vec<DVec3> = starts.iter().map(|&x| rotation * x).collect();
     let mut simulation = water(RP, &places, 0.0, vec![body])?;
@@ -76,7 +82,9 @@ fn slide(outcome: &mut Outcome, plane: &Shape, degrees: f64) -> Result<Vec<[f64;
     })?;
     rows(outcome, degrees, &late, acceleration * simulation.time().powi(2) / 2.0);
     let case = format!("{degrees} degrees");
-    outcome.rows.push(Row::new(&case, "greatest height after 30 % of the time", "rp", highest / RP).at_most(1.5));
+    outcome
+        .rows
+        .push(Row::new(&case, "greatest height after 30 % of the time", "rp", highest / RP).at_most(1.5));
     outcome.rows.push(Row::new(&case, "least height", "rp", lowest / RP).at_least(0.0));
     Ok(points)
 }

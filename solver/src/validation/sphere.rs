@@ -39,7 +39,11 @@ fn run(run: &Run) -> Result<Outcome, Error> {
     let radius = run.pick(0.025, 0.0125);
     let hollow = baked_finely(ball(RADIUS, 6), 4.0 * radius, 2.0 * radius, true)?;
     let level = Spin { axis: DVec3::X, centre: DVec3::ZERO, speed: SPEED * PI / 30.0 };
-    let spins = [("at rest", None), ("level axis", Some(level)), ("upright axis", Some(Spin { axis: DVec3::Y, ..level }))];
+    let spins = [
+        ("at rest", None),
+        ("level axis", Some(level)),
+        ("upright axis", Some(Spin { axis: DVec3::Y, ..level })),
+    ];
     let mut curves = Vec::new();
     let mut rest = Calm::default();
     for ((case, spin), colour) in spins.into_iter().zip(DISTINCT) {
@@ -52,7 +56,9 @@ fn run(run: &Run) -> Result<Outcome, Error> {
             let wall = spin.speed * RADIUS;
             let more = (calm.rms - rest.rms) / wall;
             rows.push(Row::new(case, "rms speed more than at rest, over the wall's", "", more).at_most(0.02));
-            rows.push(Row::new(case, "part of the spin that the water took", "", calm.carried).between(-0.02, 0.02));
+            rows.push(
+                Row::new(case, "part of the spin that the water took", "", calm.carried).between(-0.02, 0.02),
+            );
         } else {
             rest = calm;
         }
