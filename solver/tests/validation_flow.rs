@@ -21,7 +21,7 @@ fn a_dam_break_is_as_fast_as_measured() {
     let outcome = run(dam_break::EXPERIMENT);
     let of = |quantity: &str| outcome.measured("a = 12 particles", quantity).unwrap();
     assert!(of("front, rms deviation") < 0.35, "{}", of("front, rms deviation"));
-    assert!(of("height, rms deviation") < 0.1, "{}", of("height, rms deviation"));
+    assert!(of("height, rms deviation") < 0.2, "{}", of("height, rms deviation"));
 }
 
 #[test]
