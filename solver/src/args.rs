@@ -21,6 +21,8 @@ pub enum Command {
     Check(SceneArguments),
     /// The JSON Schema of scenes
     Schema,
+    /// Experiments whose answer is known, and what comes of them here
+    Validate(ValidateArguments),
 }
 
 #[derive(Debug, clap::Args)]
@@ -62,6 +64,31 @@ pub struct SceneArguments {
 fn time(text: &str) -> Result<f64, String> {
     let time: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
     if time.is_finite() && time >= 0.0 { Ok(time) } else { Err("not a time".to_owned()) }
+}
+
+#[derive(Debug, clap::Args)]
+pub struct ValidateArguments {
+    /// Which experiments; all by default
+    #[arg(value_name = "EXPERIMENT")]
+    pub names: Vec<String>,
+    /// Print which there are, and end
+    #[arg(long)]
+    pub list: bool,
+    /// Fewer cases, coarser and shorter: some ten seconds each
+    #[arg(long)]
+    pub short: bool,
+    /// Folder for charts (.png) and all figures (validation.json); made if it isn't there
+    #[arg(short, long, value_name = "FOLDER")]
+    pub output: Option<PathBuf>,
+    /// Exit code 1 if a target isn't met
+    #[arg(long)]
+    pub strict: bool,
+    /// Threads; all processors by default. Results don't depend on it
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// No progress
+    #[arg(short, long)]
+    pub quiet: bool,
 }
 
 #[cfg(test)]

@@ -162,6 +162,25 @@ impl Bodies {
         self.forces[body][1] += torque_about_centre_of_mass;
     }
 
+    /// Linear and angular acceleration (m/s^2, rad/s^2) that a force (N) and a torque about the centre of mass (N m) give a
+    /// body; none if it isn't free, or along axes that are locked.
+    pub fn response(&self, body: usize, force: DVec3, torque: DVec3) -> [DVec3; 2] {
+        let (Motion::Free(free), Some(mass)) = (&self.bodies[body].motion, &self.bodies[body].mass) else {
+            return [DVec3::ZERO; 2];
+        };
+        let unlocked =
+            |locked: [bool; 3]| DVec3::from_array(locked.map(|locked| if locked { 0.0 } else { 1.0 }));
+        let angular = mass.angular_velocity(self.posed[body].pose.rotation, torque);
+        [force / mass.mass * unlocked(free.locked_translation), angular * unlocked(free.locked_rotation)]
+    }
+
+    /// The same by gravity and all that was applied since the last step.
+    pub fn acceleration(&self, body: usize) -> [DVec3; 2] {
+        let [force, torque] = self.forces[body];
+        let weight = self.bodies[body].mass.as_ref().map_or(0.0, |mass| mass.mass) * self.world.gravity();
+        self.response(body, force + weight, torque)
+    }
+
     /// A body as it is now.
     pub fn state(&self, body: usize) -> BodyState {
         let velocity = &self.velocities[body];

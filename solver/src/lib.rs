@@ -19,6 +19,7 @@ pub mod output;
 pub mod pairs;
 pub mod particles;
 pub mod pressure;
+pub mod response;
 pub mod resume;
 pub mod scene;
 pub mod session;
@@ -27,5 +28,6 @@ pub mod simulation;
 pub mod stages;
 mod strays;
 pub mod time_step;
+pub mod validation;
 
 pub use error::Error;

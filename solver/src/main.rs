@@ -27,6 +27,7 @@ fn run(command: &Command) -> Result<()> {
         Command::Info(arguments) => run::info::run_info(arguments),
         Command::Check(arguments) => run::check::run_check(arguments),
         Command::Schema => run::schema::run_schema(),
+        Command::Validate(arguments) => run::validate::run_validate(arguments),
     }
 }
 

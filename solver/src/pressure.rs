@@ -12,6 +12,7 @@ use crate::boundary::Boundary;
 use crate::fields::{Discretization, Fields};
 use crate::neighbours::{CHUNK, Neighbours};
 use crate::pairs::lanes::Quad;
+use crate::response::Response;
 use crate::settings::SolveSettings;
 use rayon::prelude::*;
 
@@ -49,17 +50,22 @@ impl Fields {
     fn sources(&mut self, solve: &Solve, source: impl Fn(f32, f32, f32) -> Option<f32> + Sync) {
         self.sources.resize(self.len(), 0.0);
         self.steps.resize(self.len(), 0.0);
+        self.begin_response(&solve.response);
         let (pairs, velocities, dt) = (solve.with.pairs(&self.places), &self.velocities, solve.dt as f32);
         let least = SMALLEST_FACTOR / (solve.with.support_radius * solve.with.support_radius) as f32;
         let (densities, factors) = (&self.densities, &self.factors);
+        let (body_flux, body_factors) = (&self.body_flux, &self.body_factors);
         let chunks = self.sources.par_chunks_mut(CHUNK).zip(self.steps.par_chunks_mut(CHUNK));
         chunks.zip(solve.neighbours.chunks()).for_each(|((sources, steps), lists)| {
             pairs.flux(lists, velocities, sources);
             for within in 0..sources.len() {
                 let particle = lists.first + within;
                 let wall = &solve.boundary.of_particle[particle];
-                let rate = sources[within] + dot(velocities[particle], wall.gradient) - wall.flux;
-                let (source, factor) = (source(densities[particle], rate, dt), factors[particle]);
+                let [known, bound] =
+                    [body_flux, body_factors].map(|all| all.get(particle).copied().unwrap_or(0.0));
+                let rate =
+                    sources[within] + dot(velocities[particle], wall.gradient) - wall.flux - dt * known;
+                let (source, factor) = (source(densities[particle], rate, dt), factors[particle] + bound);
                 sources[within] = source.unwrap_or(0.0);
                 // A particle alone can't be compressed.
                 let takes_part = source.is_some() && factor > least;
@@ -73,6 +79,7 @@ impl Fields {
         let mut report = SolveReport::default();
         loop {
             self.accelerate_by_pressure(solve);
+            self.respond(solve);
             report.error = self.relax(solve);
             report.iterations += 1;
             let good = report.error <= solve.settings.max_error;
@@ -82,6 +89,28 @@ impl Fields {
                 return report;
             }
             std::mem::swap(&mut self.places, &mut self.next_places);
+        }
+    }
+
+    /// What the free bodies' known accelerations are to each particle, and what giving way adds to its factor.
+    fn begin_response(&mut self, response: &Response) {
+        self.body_flux.clear();
+        self.body_factors.clear();
+        if !response.is_empty() {
+            self.body_flux.resize(self.len(), 0.0);
+            self.body_factors.resize(self.len(), 0.0);
+            response.add_known(&mut self.body_flux);
+            response.add_bounds(&mut self.body_factors);
+        }
+    }
+
+    /// What the free bodies' accelerations by the pressures are to each particle.
+    fn respond(&mut self, solve: &Solve) {
+        if !solve.response.is_empty() {
+            let (places, densities) = (&self.places, &self.densities);
+            self.body_flux.fill(0.0);
+            let factor = |particle: usize| solve.wall_factor(places[particle][3], densities[particle]);
+            solve.response.add_response(factor, &mut self.body_flux);
         }
     }
 
@@ -107,7 +136,7 @@ impl Fields {
     fn relax(&mut self, solve: &Solve) -> f64 {
         let pairs = solve.with.pairs(&self.places);
         let (places, accelerations) = (&self.places, &self.accelerations);
-        let (sources, steps) = (&self.sources, &self.steps);
+        let (sources, steps, body_flux) = (&self.sources, &self.steps, &self.body_flux);
         self.next_places.resize(places.len(), [0.0; 4]);
         let last = places.len() - 1;
         self.next_places[last] = places[last];
@@ -121,7 +150,8 @@ impl Fields {
                 for (within, (out, change)) in out.iter_mut().zip(change).enumerate() {
                     let particle = lists.first + within;
                     let wall = solve.boundary.of_particle[particle].gradient;
-                    let error = sources[particle] + *change + dot(accelerations[particle], wall);
+                    let bodies = body_flux.get(particle).copied().unwrap_or(0.0);
+                    let error = sources[particle] + *change + dot(accelerations[particle], wall) - bodies;
                     let [x, y, z, pressure] = places[particle];
                     *out = [x, y, z, (pressure + steps[particle] * error).max(0.0)];
                     if steps[particle] > 0.0 {
@@ -143,6 +173,8 @@ pub struct Solve<'a> {
     pub neighbours: &'a Neighbours,
     /// What of the boundary is near.
     pub boundary: &'a Boundary,
+    /// How free bodies give way.
+    pub response: Response<'a>,
     /// When to stop.
     pub settings: &'a SolveSettings,
     /// Whether the boundary's pressure is added as Eq. 15 of Bender et al. 2020 has it.

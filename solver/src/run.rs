@@ -4,3 +4,4 @@ pub mod check;
 pub mod info;
 pub mod schema;
 pub mod simulate;
+pub mod validate;

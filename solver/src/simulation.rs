@@ -9,6 +9,7 @@ use crate::fields::{Discretization, Fields};
 use crate::neighbours::{CHUNK, Neighbours};
 use crate::particles::Particles;
 use crate::pressure::{Solve, SolveReport};
+use crate::response::Response;
 use crate::scene::Emitter;
 use crate::settings::{FluidSettings, SolveSettings, SolverSettings, World};
 use crate::stages::Stages;
@@ -49,6 +50,8 @@ pub struct Simulation {
     pub(crate) step: u64,
     /// Largest speed of a body where it touched the fluid in the last step, m/s.
     pub(crate) body_speed: f64,
+    /// Force and torque of the fluid on each body in the last step.
+    body_forces: Vec<[DVec3; 2]>,
     cells: Cells,
     order: Vec<u32>,
     neighbours: Neighbours,
@@ -103,6 +106,7 @@ impl Simulation {
             time: 0.0,
             step: 0,
             body_speed: 0.0,
+            body_forces: Vec::new(),
             cells: Cells::default(),
             order: Vec::new(),
             neighbours: Neighbours::default(),
@@ -118,6 +122,8 @@ impl Simulation {
     /// [`Error::Simulation`] when what is computed is no fluid any more; the state is then of no use.
     pub fn step(&mut self) -> Result<StepReport, Error> {
         self.stages.begin();
+        self.body_forces.clear();
+        self.body_forces.resize(self.bodies.posed().len(), [DVec3::ZERO; 2]);
         let emitted = self.emit();
         let max_speed = self.max_speed();
         let dt = self.time_step(max_speed)?;
@@ -201,13 +207,13 @@ impl Simulation {
         }
         self.fields.set_pressures(&self.particles.divergence_pressures, self.solver.warm_start as f32);
         let mut fields = std::mem::take(&mut self.fields);
-        let solve = self.solve(&self.solver.divergence, dt);
+        let solve = self.solve(&self.solver.divergence, false, dt);
         let report = fields.correct_divergence(&solve);
         let forces = coupling::forces(&self.bodies, &fields, &solve, self.particle_mass());
         fields.keep_pressures(&mut self.particles.divergence_pressures);
         fields.accelerate(dt);
         self.fields = fields;
-        coupling::push(&mut self.bodies, &forces);
+        self.push(&forces);
         self.stages.end(|stages| &mut stages.divergence);
         report
     }
@@ -225,22 +231,32 @@ impl Simulation {
         }
         self.fields.set_pressures(&self.particles.pressures, self.solver.warm_start as f32);
         let mut fields = std::mem::take(&mut self.fields);
-        let solve = self.solve(&self.solver.density, dt);
+        let solve = self.solve(&self.solver.density, true, dt);
         let report = fields.correct_density(&solve);
         let forces = coupling::forces(&self.bodies, &fields, &solve, self.particle_mass());
         fields.keep_pressures(&mut self.particles.pressures);
         fields.accelerate(dt);
         self.fields = fields;
-        coupling::push(&mut self.bodies, &forces);
+        self.push(&forces);
         self.stages.end(|stages| &mut stages.pressure);
         report
     }
 
-    fn solve<'a>(&'a self, settings: &'a SolveSettings, dt: f64) -> Solve<'a> {
+    fn push(&mut self, forces: &[[DVec3; 2]]) {
+        coupling::push(&mut self.bodies, forces);
+        for (sum, force) in self.body_forces.iter_mut().zip(forces) {
+            sum[0] += force[0];
+            sum[1] += force[1];
+        }
+    }
+
+    /// `after_gravity`: the fluid's velocities have been changed by gravity and the first solve, the bodies' not yet.
+    fn solve<'a>(&'a self, settings: &'a SolveSettings, after_gravity: bool, dt: f64) -> Solve<'a> {
         Solve {
             with: self.discretization(),
             neighbours: &self.neighbours,
             boundary: &self.boundary,
+            response: Response::new(&self.bodies, &self.boundary, self.particle_mass(), after_gravity),
             settings,
             mirrored: self.solver.mirrored_pressure,
             relaxation: self.solver.relaxation as f32,
@@ -304,6 +320,12 @@ impl Simulation {
     /// What it touches.
     pub fn bodies(&self) -> &Bodies {
         &self.bodies
+    }
+
+    /// The fluid's force (N) on each body in the last step, and its torque (N m) about the centre of mass; zero if no
+    /// body is free.
+    pub fn body_forces(&self) -> &[[DVec3; 2]] {
+        &self.body_forces
     }
 
     /// Mean number of neighbours in the last step, the filling of the last group included.

@@ -1,0 +1,204 @@
+//! Balls, boxes and a duck in water: Archimedes. A floating body displaces its weight of water; one that is held under
+//! water is pushed up by the weight of what it displaces.
+
+use super::flow::{GRAVITY, bake, lattice, volume_below, water};
+use super::observe::{line, until};
+use super::shapes::{Shape, baked_finely, ball, cuboid};
+use super::{Experiment, Outcome, Row, Run, chart, curve};
+use crate::bodies::{BodyDescription, FreeBody, Motion, Weight};
+use crate::error::Error;
+use crate::simulation::Simulation;
+use volmap_baker::picture::colours::DISTINCT;
+use volmap_runtime::{DVec3, VolumeMap};
+
+/// It.
+pub const EXPERIMENT: Experiment = Experiment {
+    name: "floats",
+    title: "Archimedes",
+    about: "A ball, a box and a duck held under water, and floating at densities of 100 to 750 kg/m^3",
+    run,
+};
+
+/// Particle radius, metres.
+const RP: f64 = 0.02;
+/// Half the tank's width, and the water's depth without a body, metres.
+const HALF_WIDTH: f64 = 0.4;
+const DEPTH: f64 = 0.6;
+const RHO: f64 = 1000.0;
+
+fn run(run: &Run) -> Result<Outcome, Error> {
+    let mut outcome = Outcome::default();
+    let support = 4.0 * RP;
+    let tank = Tank { shape: bake(hollow(), support, true)? };
+    let ball = bake(ball(0.16, 5), support, false)?;
+    let cells = |part: f64| baked_finely(cube(), support, part * support, false);
+    let fine = cells(0.25)?;
+    let all: [(&str, &Shape); 2] = [("ball", &ball), ("box", &fine)];
+    let held = &all[..run.pick(1, 2)];
+    for (name, shape) in held {
+        (run.progress)(&format!("floats: {name} held under water"));
+        held_under_water(run, &mut outcome, &tank, (name, shape))?;
+    }
+    if !run.short {
+        held_under_water(run, &mut outcome, &tank, ("box, cells of r/2", &cells(0.5)?))?;
+        held_under_water(run, &mut outcome, &tank, ("box, cells of r/8", &cells(0.125)?))?;
+    }
+    let mut curves = Vec::new();
+    let densities: &[f64] = run.pick(&[500.0], &[100.0, 250.0, 500.0, 750.0]);
+    for (name, shape) in held {
+        for &density in densities {
+            (run.progress)(&format!("floats: {name} of {density} kg/m^3"));
+            let colour = DISTINCT[curves.len() % DISTINCT.len()];
+            let points = floating(run, &mut outcome, &tank, (name, shape, density))?;
+            curves.push(curve(format!("{name}, {density}"), colour, points));
+        }
+    }
+    let axes = [["Time", "s"], ["Submerged part over that of Archimedes", ""]];
+    outcome.chart("floats.png", chart("Floating bodies", axes[0], axes[1], curves));
+    outcome.notes.push(NOTE.into());
+    Ok(outcome)
+}
+
+const NOTE: &str = "The water level is that of the hydrostatic pressure: p / (rho g) + y, the mean over particles that are far \
+                    from body, walls, floor and surface. Means over the last half of each run.";
+
+fn cube() -> volmap_formats::mesh::TriangleMesh {
+    cuboid(DVec3::splat(-0.14), DVec3::splat(0.14))
+}
+
+fn hollow() -> volmap_formats::mesh::TriangleMesh {
+    cuboid(DVec3::new(-HALF_WIDTH, 0.0, -HALF_WIDTH), DVec3::new(HALF_WIDTH, 1.2, HALF_WIDTH))
+}
+
+struct Tank {
+    shape: Shape,
+}
+
+impl Tank {
+    /// Water with a body in it; free bodies only.
+    fn with(&self, body: BodyDescription) -> Result<Simulation, Error> {
+        let size = DVec3::new(HALF_WIDTH, DEPTH, HALF_WIDTH);
+        let clear = |map: &VolumeMap, x: DVec3| map.values(x).distance > 0.9 * RP;
+        let mut places = lattice(DVec3::new(-size.x, 0.0, -size.z), size, RP);
+        places.retain(|&x| clear(&body.map, body.pose.to_map(x)));
+        let tank = self.shape.body("tank", DVec3::ZERO, Motion::Static);
+        water(RP, &places, 0.01, vec![tank, body])
+    }
+}
+
+/// Free, and fixed on the chosen axes.
+fn free(density: f64, locked: bool) -> Motion {
+    Motion::Free(FreeBody {
+        weight: Weight::Density(density),
+        locked_translation: [locked; 3],
+        locked_rotation: [locked; 3],
+        ..FreeBody::default()
+    })
+}
+
+/// The force on a body that can't move, over the weight of the water that it displaces.
+fn held_under_water(
+    run: &Run,
+    outcome: &mut Outcome,
+    tank: &Tank,
+    (name, shape): (&str, &Shape),
+) -> Result<(), Error> {
+    let end = run.pick(0.8, 3.0);
+    let body = shape.body(name, DVec3::new(0.0, 0.3, 0.0), free(RHO, true));
+    let displaced = RHO * GRAVITY * volume_below(&shape.mesh, body.pose, 9.0);
+    let mut simulation = tank.with(body)?;
+    let (mut push, mut time) = (DVec3::ZERO, 0.0);
+    until(&mut simulation, end, &mut |simulation, report| {
+        if simulation.time() > 0.5 * end {
+            push += report.dt * simulation.body_forces()[1][0];
+            time += report.dt;
+        }
+    })?;
+    let push = push / time / displaced;
+    let case = format!("{name}, held");
+    outcome.rows.push(Row::new(&case, "lift over weight of displaced water", "", push.y).between(0.97, 1.03));
+    outcome
+        .rows
+        .push(Row::new(&case, "force sideways over the same", "", push.x.hypot(push.z)).at_most(0.02));
+    outcome.rows.push(Row::new(&case, "slope of pressure over rho g", "", -pressure_line(&simulation)[1]));
+    outcome.rows.push(Row::new(
+        &case,
+        "water's density by counting, over rho_0",
+        "",
+        counted_density(&simulation),
+    ));
+    Ok(())
+}
+
+/// Offset (metres) and slope, about -1, of p / (rho g) over y, of particles far from body, walls, floor and surface.
+fn pressure_line(simulation: &Simulation) -> [f64; 2] {
+    let far = |x: &DVec3| {
+        let aside = x.x.abs().max(x.z.abs());
+        aside > 0.27 && aside < HALF_WIDTH - 3.0 * RP && x.y > 4.0 * RP && x.y < DEPTH - 6.0 * RP
+    };
+    let pressures = simulation.pressures();
+    let all = simulation.particles().positions.iter().zip(&pressures).filter(|(x, _)| far(x));
+    let points: Vec<[f64; 2]> = all.map(|(x, &p)| [x.y, f64::from(p) / (RHO * GRAVITY)]).collect();
+    line(&points)
+}
+
+/// Mass of the particles in a frame around the body, over its volume and rho_0; each counts as the part of its cube that is
+/// in the frame.
+fn counted_density(simulation: &Simulation) -> f64 {
+    let [low, high] = [4.0 * RP, DEPTH - 8.0 * RP];
+    let [inner, outer] = [0.25, HALF_WIDTH - 3.0 * RP];
+    let part = |x: f64, from: f64, to: f64| (((x + RP).min(to) - (x - RP).max(from)) / (2.0 * RP)).max(0.0);
+    let square = |x: &DVec3, half: f64| part(x.x, -half, half) * part(x.z, -half, half);
+    let all = simulation.particles().positions.iter();
+    let count: f64 = all.map(|x| part(x.y, low, high) * (square(x, outer) - square(x, inner))).sum();
+    count * simulation.particle_volume() / ((high - low) * 4.0 * (outer * outer - inner * inner))
+}
+
+/// Mean height of the highest particles in columns far from the body and the walls, and a particle radius.
+fn surface_level(simulation: &Simulation) -> f64 {
+    let side = 4.0 * RP;
+    let mut tops = std::collections::BTreeMap::new();
+    for x in &simulation.particles().positions {
+        if x.x.abs().max(x.z.abs()) > 0.27 {
+            let column = ((x.x / side).floor() as i64, (x.z / side).floor() as i64);
+            let top = tops.entry(column).or_insert(f64::NEG_INFINITY);
+            *top = x.y.max(*top);
+        }
+    }
+    tops.values().sum::<f64>() / tops.len() as f64 + RP
+}
+
+/// Lets a body float; the submerged part over Archimedes' with time.
+fn floating(
+    run: &Run,
+    outcome: &mut Outcome,
+    tank: &Tank,
+    (name, shape, density): (&str, &Shape, f64),
+) -> Result<Vec<[f64; 2]>, Error> {
+    let end = run.pick(1.6, 5.0);
+    let part = density / RHO;
+    // At about its depth, a little too high.
+    let height = DEPTH + 0.28 * (0.5 - part) + 0.05;
+    let mut simulation = tank.with(shape.body(name, DVec3::new(0.0, height, 0.0), free(density, false)))?;
+    let whole = volume_below(&shape.mesh, Default::default(), 9.0);
+    let (mut points, mut sums, mut speed) = (Vec::new(), [0.0; 3], 0.0f64);
+    until(&mut simulation, end, &mut |simulation, report| {
+        let state = simulation.bodies().state(1);
+        speed = speed.max(state.velocity.length());
+        let level = surface_level(simulation);
+        let submerged = volume_below(&shape.mesh, state.pose, level) / whole / part;
+        points.push([simulation.time(), submerged]);
+        if simulation.time() > 0.5 * end {
+            let [offset, slope] = pressure_line(simulation);
+            let by_pressure = volume_below(&shape.mesh, state.pose, -offset / slope) / whole / part;
+            sums = [sums[0] + report.dt, sums[1] + report.dt * submerged, sums[2] + report.dt * by_pressure];
+        }
+    })?;
+    let case = format!("{name}, {density} kg/m^3");
+    let rows = &mut outcome.rows;
+    rows.push(Row::new(&case, "submerged part over Archimedes'", "", sums[1] / sums[0]).between(0.97, 1.03));
+    rows.push(Row::new(&case, "the same by pressure level", "", sums[2] / sums[0]));
+    rows.push(Row::new(&case, "largest speed", "m/s", speed).at_most(3.0));
+    rows.push(Row::new(&case, "speed at the end", "m/s", simulation.bodies().state(1).velocity.length()));
+    Ok(points)
+}
