@@ -13,14 +13,14 @@ use volmap_runtime::{ClosureKind, DVec3};
 
 /// Half of the tank's edge.
 pub const HALF_WIDTH: f64 = 0.5;
-/// Particle radius rp.
-pub const RADIUS: f64 = 0.025;
 /// What is averaged is averaged over this much time at the end, seconds.
 const WINDOW: f64 = 1.0;
 
 /// What is simulated.
 #[derive(Clone, Debug)]
 pub struct Column {
+    /// Particle radius rp.
+    pub radius: f64,
     /// Closure of the boundary.
     pub closure: ClosureKind,
     /// Volume of a particle in parts of (2 rp)^3.
@@ -56,7 +56,8 @@ pub struct Rest {
     pub density: f64,
     /// Height and mean pressure (Pa) of slices as thick as a layer, in the last second.
     pub pressures: Vec<[f64; 2]>,
-    /// Pressure at the floor (Pa) and its slope with the height (Pa/m), of the line through `pressures`.
+    /// Pressure at the floor (Pa) and its slope with the height (Pa/m), of the line through `pressures` without the first
+    /// layer and the last, which have a wall or nothing beside them.
     pub line: [f64; 2],
     /// Time and kinetic energy (J).
     pub energies: Vec<[f64; 2]>,
@@ -93,21 +94,21 @@ impl Column {
             }
         })?;
         rest.drift = half.map_or(0.0, |half| (centre(&simulation) - half).length());
-        rest.place(&simulation.particles().positions);
-        last.finish(&mut rest, &simulation);
+        rest.place(&simulation.particles().positions, self.radius);
+        last.finish(&mut rest, &simulation, self.radius);
         Ok(rest)
     }
 
     fn simulation(&self, tank: &Shape) -> Result<Simulation, Error> {
         let world = World {
-            particle_radius: RADIUS,
-            support_radius: 4.0 * RADIUS,
+            particle_radius: self.radius,
+            support_radius: 4.0 * self.radius,
             closure: self.closure,
             ..World::default()
         };
         let mut solver = SolverSettings { mirrored_pressure: self.mirrored, ..SolverSettings::default() };
         solver.time_step.max = self.largest_step;
-        let positions: Vec<DVec3> = fill_box(&self.block, 2.0 * RADIUS).collect();
+        let positions: Vec<DVec3> = fill_box(&self.block, 2.0 * self.radius).collect();
         let mut particles = Particles::default();
         particles.add(&positions, &vec![[0.0; 3]; positions.len()]);
         let bodies = vec![tank.body("tank", DVec3::ZERO, Motion::Static)];
@@ -125,23 +126,23 @@ impl Column {
 }
 
 impl Rest {
-    fn place(&mut self, positions: &[DVec3]) {
+    fn place(&mut self, positions: &[DVec3], radius: f64) {
         let heights: Vec<f64> = positions.iter().map(|x| x.y).collect();
         let to_walls = |x: &DVec3| [x.x, -x.x, x.z, -x.z].map(|side| HALF_WIDTH - side);
         let walls: Vec<f64> = positions.iter().flat_map(to_walls).collect();
-        let (floor, wall) = (first_layer(&heights), first_layer(&walls));
-        self.layer = [floor.0 / RADIUS, wall.0 / RADIUS];
+        let (floor, wall) = (first_layer(&heights, radius), first_layer(&walls, radius));
+        self.layer = [floor.0 / radius, wall.0 / radius];
         self.in_layer = floor.1;
-        self.top = percentile(&heights, 0.99) + RADIUS;
+        self.top = percentile(&heights, 0.99) + radius;
     }
 }
 
 /// Median distance of the layer nearest to a wall, and how many it has: those up to rp farther than the nearest few.
-fn first_layer(distances: &[f64]) -> (f64, usize) {
+fn first_layer(distances: &[f64], radius: f64) -> (f64, usize) {
     let mut sorted = distances.to_vec();
     sorted.sort_by(f64::total_cmp);
     let few = &sorted[..sorted.len().min(20)];
-    let limit = few.iter().sum::<f64>() / few.len().max(1) as f64 + RADIUS;
+    let limit = few.iter().sum::<f64>() / few.len().max(1) as f64 + radius;
     sorted.truncate(sorted.partition_point(|&distance| distance < limit));
     (percentile(&sorted, 0.5), sorted.len())
 }
@@ -175,12 +176,12 @@ impl Window {
         self.steps += 1;
     }
 
-    fn finish(&self, rest: &mut Rest, simulation: &Simulation) {
+    fn finish(&self, rest: &mut Rest, simulation: &Simulation, radius: f64) {
         let steps = self.steps.max(1) as f64;
         let means: Vec<[f64; 3]> = (simulation.particles().ids.iter())
             .map(|&id| self.sums[id as usize].map(|sum| sum / steps))
             .collect();
-        let limit = (rest.layer[0] + 1.0) * RADIUS;
+        let limit = (rest.layer[0] + 1.0) * radius;
         let speed = |keep: &dyn Fn(f64) -> bool| {
             let squares: Vec<f64> = means.iter().filter(|mean| keep(mean[0])).map(|mean| mean[2]).collect();
             (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt()
@@ -189,17 +190,17 @@ impl Window {
         rest.layer_speed = [speed(&|height| height < limit), speed(&|height| height >= limit)];
         rest.density = self.density;
         rest.iterations = self.iterations.map(|sum| sum as f64 / steps);
-        rest.pressures = slices(&means);
-        // The surface's own layer has half of its neighbours.
-        let below = rest.true_height - 2.0 * RADIUS;
-        let inner: Vec<[f64; 2]> = rest.pressures.iter().copied().filter(|slice| slice[0] < below).collect();
+        rest.pressures = slices(&means, radius);
+        let inner = 3.0 * radius..rest.true_height - 3.0 * radius;
+        let inner: Vec<[f64; 2]> =
+            rest.pressures.iter().copied().filter(|slice| inner.contains(&slice[0])).collect();
         rest.line = line(&inner);
     }
 }
 
 /// Mean height and pressure of slices of 2 rp.
-fn slices(means: &[[f64; 3]]) -> Vec<[f64; 2]> {
-    let slice = |height: f64| (height / (2.0 * RADIUS)).max(0.0) as usize;
+fn slices(means: &[[f64; 3]], radius: f64) -> Vec<[f64; 2]> {
+    let slice = |height: f64| (height / (2.0 * radius)).max(0.0) as usize;
     let count = means.iter().map(|mean| slice(mean[0]) + 1).max().unwrap_or(0);
     let mut sums = vec![[0.0; 3]; count];
     for &[height, pressure, _] in means {
