@@ -12,7 +12,7 @@ use crate::error::Error;
 use crate::scene::Region;
 use column::{Column, HALF_WIDTH, Rest};
 use volmap_baker::picture::colours::{DISTINCT, INK};
-use volmap_baker::picture::{Data, Limits, Series};
+use volmap_baker::picture::{Data, Series};
 use volmap_runtime::{ClosureKind, DVec3};
 
 /// Water at rest.
@@ -162,8 +162,6 @@ fn energies(done: &[(Case, Rest)]) -> volmap_baker::picture::Chart {
     let mut chart =
         chart("Kinetic energy of 0.5 m of water at rest", ["time", "s"], ["energy", "J"], series.collect());
     chart.y.log = true;
-    // They begin with the throw of a lattice that is too dense at walls and edges.
-    chart.y.limits = Limits::Given([1e-3, 1e4]);
     chart
 }
 
