@@ -32,9 +32,10 @@ pub fn run_validate(arguments: &ValidateArguments) -> Result<()> {
         progress(&format!("{}: {}", experiment.name, experiment.title));
         let start = Instant::now();
         let outcome = (experiment.run)(&run)?;
-        print!("{}", table::to_text(experiment.name, &outcome));
-        println!("  {:.1} s\n", start.elapsed().as_secs_f64());
-        io::stdout().flush()?;
+        let text = table::to_text(experiment.name, &outcome);
+        let mut out = io::stdout().lock();
+        writeln!(out, "{text}  {:.1} s\n", start.elapsed().as_secs_f64())?;
+        out.flush()?;
         outcomes.push((experiment, outcome));
         if let Some(folder) = &arguments.output {
             // After each one: all of them take long.

@@ -1,0 +1,47 @@
+//! The short forms of the experiments: everything that has a target meets it. `volmap-sim validate` has the long ones.
+
+use volmap_solver::validation::{EXPERIMENTS, Experiment, Outcome, Run, table};
+
+fn short(name: &str) -> Outcome {
+    let experiment = Experiment::named(name).unwrap();
+    (experiment.run)(&Run { short: true, folder: None, progress: &|_| () }).unwrap()
+}
+
+fn between(outcome: &Outcome, case: &str, quantity: &str, [least, most]: [f64; 2]) {
+    let value = outcome.measured(case, quantity).unwrap();
+    assert!((least..=most).contains(&value), "{quantity}: {value}\n{}", table::to_text(case, outcome));
+}
+
+#[test]
+fn water_at_rest_lies_in_layers_under_its_own_weight() {
+    let outcome = short("hydrostatic");
+    let is = |quantity, bounds| between(&outcome, "mirror, 0.8", quantity, bounds);
+    is("particles", [2890.0; 2]);
+    is("lost", [0.0; 2]);
+    is("found in the wall", [0.0; 2]);
+    is("first layer above the floor", [0.9, 1.1]);
+    is("first layer at the walls", [0.9, 1.1]);
+    is("height of the water", [0.95 * 0.289, 1.05 * 0.289]);
+    is("rms speed", [0.0, 0.03]);
+    is("drift of the centre of mass", [0.0, 0.5]);
+    is("pressure in the middle, error", [-8.0, 8.0]);
+    is("largest density", [1.0, 1.05]);
+}
+
+#[test]
+fn nothing_gives_or_takes_momentum() {
+    let outcome = short("momentum");
+    assert_eq!(outcome.unmet().count(), 0, "{}", table::to_text("momentum", &outcome));
+    between(&outcome, "viscous", "angular momentum, largest drift", [0.0, 1e-4]);
+}
+
+#[test]
+fn experiments_have_names_of_their_own() {
+    let mut names: Vec<&str> = EXPERIMENTS.iter().map(|experiment| experiment.name).collect();
+    names.sort_unstable();
+    names.dedup();
+    assert_eq!(names.len(), EXPERIMENTS.len());
+    assert!(
+        EXPERIMENTS.iter().all(|experiment| !experiment.title.is_empty() && !experiment.about.is_empty())
+    );
+}
