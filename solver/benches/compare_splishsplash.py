@@ -68,7 +68,7 @@ def peer_scene(folder):
 def our_scene(folder, closure):
     path = folder / f"{closure}.json"
     path.write_text(json.dumps({
-        "version": 1, "particle_radius": 0.025, "closure": closure, "fluid": {"volume_factor": 0.8},
+        "version": 1, "particle_radius": 0.025, "closure": closure, "solver": {"time_step": {"max": 0.005}}, "fluid": {"volume_factor": 0.8},
         "blocks": [{"min": low, "max": high} for low, high in BLOCKS],
         "bodies": [{"name": "tank", "mesh": str(ROOT / "data/tank.obj"), "bake": {"invert": True},
                     "translation": [0, -0.05, 0]}],

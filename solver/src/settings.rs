@@ -130,7 +130,7 @@ impl SolveSettings {
 
 impl Default for TimeStepSettings {
     fn default() -> Self {
-        TimeStepSettings { initial: 1e-3, adaptive: true, cfl_factor: 1.0, min: 1e-4, max: 5e-3 }
+        TimeStepSettings { initial: 1e-3, adaptive: true, cfl_factor: 1.0, min: 1e-4, max: 2e-3 }
     }
 }
 
