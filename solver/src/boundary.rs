@@ -118,9 +118,7 @@ impl ChunkContacts {
                 self.inside.push(inside(Some(-near.distance * near.normal)));
             }
             let distance = |point| map.values(point).distance;
-            if let Some(density) =
-                closure.density_probing(near, Some(*volume_gradient), position, distance)
-            {
+            if let Some(density) = closure.density_probing(near, Some(*volume_gradient), position, distance) {
                 self.contacts.push(Contact {
                     particle,
                     body: body as u32,

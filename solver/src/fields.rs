@@ -90,12 +90,17 @@ impl Fields {
     }
 
     /// Density and factor of all particles: Band et al. 2018, Algorithm 1, lines 4 and 5.
-    pub fn compute_density(&mut self, with: Discretization, neighbours: &Neighbours, boundary: &Boundary) {
+    pub fn compute_density(
+        &mut self,
+        with: Discretization,
+        neighbours: &mut Neighbours,
+        boundary: &Boundary,
+    ) {
         self.densities.resize(self.len(), 0.0);
         self.factors.resize(self.len(), 0.0);
         let pairs = with.pairs(&self.places);
         let chunks = self.densities.par_chunks_mut(CHUNK).zip(self.factors.par_chunks_mut(CHUNK));
-        chunks.zip(neighbours.chunks()).for_each(|((densities, factors), lists)| {
+        chunks.zip(neighbours.chunks_mut()).for_each(|((densities, factors), lists)| {
             let mut sums = [Density::default(); CHUNK];
             let sums = &mut sums[..densities.len()];
             pairs.density(lists, sums);

@@ -25,9 +25,11 @@ pub struct Lists {
     pub first: usize,
     /// First group of each particle, and the number of groups.
     starts: Vec<u32>,
-    /// Neighbours without the particle itself; the last group is filled up with the one behind the last particle,
+    /// Neighbours, the particle itself among them, which adds to densities only; the last group is filled up with the one behind the last particle,
     /// which in all tables is far from all.
     groups: Vec<Group>,
+    /// The slope of the kernel at each of them: written with the density, read by all other sums.
+    slopes: Vec<[f32; LANES]>,
     candidates: Candidates,
 }
 
@@ -50,12 +52,17 @@ impl Neighbours {
         });
     }
 
+    /// The lists of every chunk, to write slopes into.
+    pub(crate) fn chunks_mut(&mut self) -> &mut [Lists] {
+        &mut self.chunks
+    }
+
     /// The lists of every chunk, in order.
     pub fn chunks(&self) -> &[Lists] {
         &self.chunks
     }
 
-    /// Pairs, each counted from both sides; those of the filling are counted, too.
+    /// Pairs, each counted from both sides; the particles themselves and the filling are counted, too.
     pub fn entries(&self) -> usize {
         self.chunks.iter().map(|lists| lists.groups.len() * LANES).sum()
     }
@@ -64,7 +71,7 @@ impl Neighbours {
     pub fn memory_bytes(&self) -> usize {
         let of = |lists: &Lists| {
             4 * lists.starts.capacity()
-                + 4 * LANES * lists.groups.capacity()
+                + 4 * LANES * (lists.groups.capacity() + lists.slopes.capacity())
                 + lists.candidates.memory_bytes()
         };
         self.chunks.iter().map(of).sum()
@@ -82,10 +89,18 @@ impl Lists {
         self.len() == 0
     }
 
-    /// The groups of neighbours of the chunk's particle number `within`.
+    /// The groups of neighbours of the chunk's particle number `within`, and the kernel's slopes there.
     #[inline(always)]
-    pub fn groups(&self, within: usize) -> &[Group] {
-        &self.groups[self.starts[within] as usize..self.starts[within + 1] as usize]
+    pub(crate) fn pairs(&self, within: usize) -> impl Iterator<Item = (&Group, &[f32; LANES])> {
+        let groups = self.starts[within] as usize..self.starts[within + 1] as usize;
+        self.groups[groups.clone()].iter().zip(&self.slopes[groups])
+    }
+
+    /// The same, to write the slopes.
+    #[inline(always)]
+    pub(crate) fn pairs_mut(&mut self, within: usize) -> impl Iterator<Item = (&Group, &mut [f32; LANES])> {
+        let groups = self.starts[within] as usize..self.starts[within + 1] as usize;
+        self.groups[groups.clone()].iter().zip(&mut self.slopes[groups])
     }
 }
 
@@ -128,7 +143,7 @@ struct Search<'a> {
 impl Work for Search<'_> {
     #[inline(always)]
     fn run<V: Lanes>(self) {
-        let Lists { first, starts, groups, candidates } = self.lists;
+        let Lists { first, starts, groups, slopes, candidates } = self.lists;
         *first = self.particles.start;
         starts.clear();
         groups.clear();
@@ -143,28 +158,27 @@ impl Work for Search<'_> {
                 near.resize(candidates.indices.len() + LANES, 0);
             }
             starts.push(groups.len() as u32);
-            let count = within_reach::<V>(candidates, self.places[particle], 4 * particle as u32, &mut near);
+            let count = within_reach::<V>(candidates, self.places[particle], &mut near);
             near[count..count.next_multiple_of(LANES)].fill(filling);
             groups.extend(near[..count.next_multiple_of(LANES)].as_chunks().0);
         }
         starts.push(groups.len() as u32);
+        slopes.resize(groups.len(), [0.0; LANES]);
     }
 }
 
 /// Writes the candidates nearer than 1 to `out`, and how many they are.
 #[inline(always)]
-fn within_reach<V: Lanes>(candidates: &Candidates, at: Quad, own: u32, out: &mut [u32]) -> usize {
+fn within_reach<V: Lanes>(candidates: &Candidates, at: Quad, out: &mut [u32]) -> usize {
     let (x, y, z, one) = (V::splat(at[0]), V::splat(at[1]), V::splat(at[2]), V::splat(1.0));
     let mut count = 0;
     for ([xs, ys, zs], indices) in candidates.places.iter().zip(candidates.indices.as_chunks::<LANES>().0) {
         let (dx, dy, dz) = (V::load(xs) - x, V::load(ys) - y, V::load(zs) - z);
-        let mut hits = ((dx * dx + dy * dy) + dz * dz).below(one);
-        while hits != 0 {
-            let index = indices[hits.trailing_zeros() as usize];
-            out[count] = index;
-            count += usize::from(index != own);
-            hits &= hits - 1;
+        let hits = ((dx * dx + dy * dy) + dz * dz).below(one);
+        if let Some(out) = out[count..].first_chunk_mut() {
+            *out = V::compress(indices, hits);
         }
+        count += hits.count_ones() as usize;
     }
     count
 }

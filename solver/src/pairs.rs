@@ -37,8 +37,8 @@ pub struct Pairs<'a> {
 pub type Vectors = [[f32; 3]; CHUNK];
 
 impl Pairs<'_> {
-    /// D without boundary, the sum of V grad W, and the sum of |V grad W|^2 of the chunk's particles.
-    pub fn density(&self, lists: &Lists, out: &mut [Density]) {
+    /// Writes the kernel's slopes into the lists, for the sums below, and D without boundary, the sum of V grad W, and the sum of |V grad W|^2 of the chunk's particles.
+    pub fn density(&self, lists: &mut Lists, out: &mut [Density]) {
         self.run(density::Work { pairs: *self, lists, out });
     }
 

@@ -197,7 +197,7 @@ impl Simulation {
         self.boundary.sample(&self.bodies, &self.closure, &self.particles.positions);
         self.body_speed = self.boundary.max_speed();
         self.stages.end(|stages| &mut stages.boundary);
-        self.fields.compute_density(self.discretization(), &self.neighbours, &self.boundary);
+        self.fields.compute_density(self.discretization(), &mut self.neighbours, &self.boundary);
         self.stages.end(|stages| &mut stages.density);
     }
 

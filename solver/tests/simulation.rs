@@ -109,7 +109,12 @@ fn particles_in_a_body_come_back_calmly() {
         assert!(steps > 0, "it was counted");
         // Nor is it shot away from the surface.
         simulation.step().unwrap();
-        assert!(energy(&simulation) <= last * 1.0001, "{depth}: {} {last} {:?}", energy(&simulation), simulation.particles());
+        assert!(
+            energy(&simulation) <= last * 1.0001,
+            "{depth}: {} {last} {:?}",
+            energy(&simulation),
+            simulation.particles()
+        );
         assert!(simulation.particles().positions[0].y >= 3.1 - 1e-3);
     }
 }

@@ -19,9 +19,9 @@ impl KernelWork for Work<'_> {
             let own = self.pairs.places[self.lists.first + within];
             let (at, pressure) = (splat::<V>(own), V::splat(own[3]));
             let mut sum = [V::splat(0.0); 3];
-            for group in self.lists.groups(within) {
+            for (group, slopes) in self.lists.pairs(within) {
                 let to = Difference::new(self.pairs.places, at, group);
-                sum = add_scaled(sum, K::slope(to.square) * (pressure + to.fourth), to.x);
+                sum = add_scaled(sum, V::load(slopes) * (pressure + to.fourth), to.x);
             }
             *out = sums(scale, sum);
         }

@@ -121,6 +121,18 @@ impl Lanes for Avx {
     }
 
     #[inline(always)]
+    fn compress(numbers: &[u32; LANES], bits: u32) -> [u32; LANES] {
+        let (mut out, order) = ([0; LANES], &FRONT[(bits & 255) as usize]);
+        // SAFETY: all three have eight numbers.
+        unsafe {
+            let order = _mm256_loadu_si256(order.as_ptr().cast());
+            let numbers = _mm256_loadu_si256(numbers.as_ptr().cast());
+            _mm256_storeu_si256(out.as_mut_ptr().cast(), _mm256_permutevar8x32_epi32(numbers, order));
+        }
+        out
+    }
+
+    #[inline(always)]
     fn sum(self) -> f32 {
         // The order of the default: halves, then quarters, then both.
         unsafe {
@@ -130,6 +142,24 @@ impl Lanes for Avx {
         }
     }
 }
+
+/// For each set of bits, the places of those that are set.
+static FRONT: [[u32; LANES]; 256] = {
+    let mut table = [[0; LANES]; 256];
+    let mut bits = 0;
+    while bits < 256 {
+        let (mut lane, mut count) = (0, 0);
+        while lane < LANES {
+            if bits >> lane & 1 == 1 {
+                table[bits][count] = lane as u32;
+                count += 1;
+            }
+            lane += 1;
+        }
+        bits += 1;
+    }
+    table
+};
 
 /// Rows of two quads each for columns.
 #[inline(always)]

@@ -20,9 +20,9 @@ impl KernelWork for Work<'_> {
             let particle = self.lists.first + within;
             let (at, own) = (splat::<V>(self.pairs.places[particle]), splat::<V>(self.field[particle]));
             let mut sum = V::splat(0.0);
-            for group in self.lists.groups(within) {
+            for (group, slopes) in self.lists.pairs(within) {
                 let (to, [u, v, w, _]) = Difference::with_field(self.pairs.places, self.field, at, group);
-                sum = sum + K::slope(to.square) * dot([own[0] - u, own[1] - v, own[2] - w], to.x);
+                sum = sum + V::load(slopes) * dot([own[0] - u, own[1] - v, own[2] - w], to.x);
             }
             *out = scale * sum.sum();
         }

@@ -29,6 +29,18 @@ pub(crate) trait Lanes:
     /// The quads of these neighbours in each table, turned: first numbers, second numbers... Tables of one length.
     fn gather<const N: usize>(tables: [&[Quad]; N], group: &Group) -> [[Self; 4]; N];
 
+    /// Puts those whose bits are set to the front, in order; what comes behind them is of no use.
+    #[inline(always)]
+    fn compress(numbers: &[u32; LANES], bits: u32) -> [u32; LANES] {
+        let (mut out, mut count, mut rest) = ([0; LANES], 0, bits);
+        while rest != 0 {
+            out[count] = numbers[rest.trailing_zeros() as usize];
+            count += 1;
+            rest &= rest - 1;
+        }
+        out
+    }
+
     /// The sum of all eight, halves first.
     #[inline(always)]
     fn sum(self) -> f32 {

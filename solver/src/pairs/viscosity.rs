@@ -27,13 +27,13 @@ impl KernelWork for Work<'_> {
             let particle = self.lists.first + within;
             let (at, own) = (splat::<V>(self.pairs.places[particle]), splat::<V>(self.velocities[particle]));
             let (mut laplacian, mut mean) = ([V::splat(0.0); 3], [V::splat(0.0); 3]);
-            for group in self.lists.groups(within) {
+            for (group, slopes) in self.lists.pairs(within) {
                 let (to, [u, v, w, _]) =
                     Difference::with_field(self.pairs.places, self.velocities, at, group);
                 let apart = [own[0] - u, own[1] - v, own[2] - w];
-                let (value, slope) = K::both(to.square);
-                laplacian = add_scaled(laplacian, slope * dot(apart, to.x) / (to.square + small), to.x);
-                mean = add_scaled(mean, value, apart);
+                laplacian =
+                    add_scaled(laplacian, V::load(slopes) * dot(apart, to.x) / (to.square + small), to.x);
+                mean = add_scaled(mean, K::value(to.square), apart);
             }
             *out = [sums(of_laplacian, laplacian), sums(-of_density, mean)];
         }
