@@ -31,7 +31,11 @@ pub fn bring_back<'a>(
         let Some(direction) = way.try_normalize() else { continue };
         let own = DVec3::from_array(particles.velocities[particle].map(f64::from));
         let along = (own - bodies.velocity_at(body, position)).dot(direction);
-        let length = (way.length() + BEYOND * particle_radius).min(particle_radius);
+        // Never put down between the surface and there.
+        let length = match way.length() {
+            way if way <= particle_radius => way + BEYOND * particle_radius,
+            _ => particle_radius,
+        };
         particles.positions[particle] = position + (length - along * dt) * direction;
         particles.velocities[particle] = (own - along * direction).as_vec3().to_array();
         // The next step must not begin with them: particles were seen to leave a wall at 30 m/s.

@@ -142,7 +142,7 @@ fn values_out_of_range_are_named_and_placed() {
         ("max = [1, 1, 1]", "max = [1e4, 1e4, 1e4]", "particles, more than 100000000"),
         ("500.0", "0", "s.toml:17:1: bodies[1].motion.free.density: 0 is not positive"),
         ("500.0", "1\nmass = 2", "bodies[1].motion.free: give `density` (kg/m^3) or `mass` (kg)"),
-        ("max = 2e-3", "min = 0.01", "s.toml:22:1: solver.time_step.min: 0.01 s is more than max, 0.005 s"),
+        ("max = 2e-3", "min = 0.01", "s.toml:22:1: solver.time_step.min: 0.01 s is more than max, 0.002 s"),
         ("max = 2e-3", "initial = 1.0", "solver.time_step.initial: 1 s is not within"),
         (
             "0.25",

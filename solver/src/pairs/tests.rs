@@ -48,11 +48,13 @@ impl Fluid {
         Discretization { kernel, support_radius: RADIUS, volume: VOLUME }.pairs(&self.places)
     }
 
-    /// A sum of every particle.
-    fn all<T: Copy + Default>(&self, sum: impl Fn(&Lists, &mut [T])) -> Vec<T> {
+    /// A sum of every particle, after its slopes.
+    fn all<T: Copy + Default>(&self, kernel: KernelKind, sum: impl Fn(&mut Lists, &mut [T])) -> Vec<T> {
         let each = self.neighbours.chunks().iter().flat_map(|lists| {
+            let (mut lists, count) = (lists.clone(), lists.len());
+            self.pairs(kernel).density(&mut lists, &mut [Density::default(); CHUNK][..count]);
             let mut out = [T::default(); CHUNK];
-            sum(lists, &mut out[..lists.len()]);
+            sum(&mut lists, &mut out[..count]);
             out[..lists.len()].to_vec()
         });
         each.collect()
@@ -105,7 +107,7 @@ fn assert_close(kernel: KernelKind, got: &[DVec3], wanted: &[(DVec3, f64)]) {
 fn density_is_the_slow_one() {
     let fluid = fluid();
     for kernel in KernelKind::ALL {
-        let got = fluid.all(|lists, out| fluid.pairs(kernel).density(lists, out));
+        let got = fluid.all(kernel, |lists, out| fluid.pairs(kernel).density(lists, out));
         let own = VOLUME * Kernel::new(kernel, RADIUS).value(0.0);
         let scalars =
             |d: &Density| DVec3::new(f64::from(d.density) - own, f64::from(d.squares) * RADIUS * RADIUS, 0.0);
@@ -127,7 +129,7 @@ fn density_is_the_slow_one() {
 fn flux_is_the_slow_one() {
     let fluid = fluid();
     for kernel in KernelKind::ALL {
-        let got = fluid.all(|lists, out| fluid.pairs(kernel).flux(lists, &fluid.velocities, out));
+        let got = fluid.all(kernel, |lists, out| fluid.pairs(kernel).flux(lists, &fluid.velocities, out));
         let slow = fluid.slow(kernel, |i, j, _, _, slope| {
             DVec3::new((fluid.velocity(i) - fluid.velocity(j)).dot(slope), 0.0, 0.0)
         });
@@ -143,7 +145,7 @@ fn flux_is_the_slow_one() {
 fn acceleration_is_the_slow_one_and_keeps_momentum() {
     let fluid = fluid();
     for kernel in KernelKind::ALL {
-        let got = fluid.all(|lists, out| fluid.pairs(kernel).acceleration(lists, out));
+        let got = fluid.all(kernel, |lists, out| fluid.pairs(kernel).acceleration(lists, out));
         let got: Vec<DVec3> = got.into_iter().map(vector).collect();
         let slow = fluid.slow(kernel, |i, j, _, _, slope| -(fluid.pressure(i) + fluid.pressure(j)) * slope);
         assert_close(kernel, &got, &slow);
@@ -158,8 +160,8 @@ fn flux_is_the_adjoint_of_the_acceleration() {
     let fluid = fluid();
     for kernel in KernelKind::ALL {
         let pairs = fluid.pairs(kernel);
-        let accelerations: Vec<[f32; 3]> = fluid.all(|lists, out| pairs.acceleration(lists, out));
-        let rates: Vec<f32> = fluid.all(|lists, out| pairs.flux(lists, &fluid.velocities, out));
+        let accelerations: Vec<[f32; 3]> = fluid.all(kernel, |lists, out| pairs.acceleration(lists, out));
+        let rates: Vec<f32> = fluid.all(kernel, |lists, out| pairs.flux(lists, &fluid.velocities, out));
         let (mut left, mut right, mut size) = (0.0, 0.0, 0.0);
         for (i, (rate, acceleration)) in rates.iter().zip(accelerations).enumerate() {
             let work = fluid.velocity(i).dot(vector(acceleration));
@@ -175,7 +177,8 @@ fn flux_is_the_adjoint_of_the_acceleration() {
 fn viscosity_is_the_slow_one_and_keeps_momentum() {
     let fluid = fluid();
     for kernel in KernelKind::ALL {
-        let got = fluid.all(|lists, out| fluid.pairs(kernel).viscosity(lists, &fluid.velocities, out));
+        let got =
+            fluid.all(kernel, |lists, out| fluid.pairs(kernel).viscosity(lists, &fluid.velocities, out));
         let part = |n: usize| got.iter().map(|it: &[[f32; 3]; 2]| vector(it[n])).collect::<Vec<_>>();
         let apart = |i, j| fluid.velocity(i) - fluid.velocity(j);
         let laplacian = fluid.slow(kernel, |i, j, x, _, slope| {
@@ -201,23 +204,23 @@ fn all_lanes_give_the_same_bits() {
         let pairs = fluid.pairs(kernel);
         let (field, velocities) = (&fluid.velocities[..], &fluid.velocities[..]);
         let (a, b): (Vec<Density>, Vec<Density>) = (
-            fluid.all(|lists, out| pairs.density(lists, out)),
-            fluid.all(|lists, out| plain(kernel, density::Work { pairs, lists, out })),
+            fluid.all(kernel, |lists, out| pairs.density(lists, out)),
+            fluid.all(kernel, |lists, out| plain(kernel, density::Work { pairs, lists, out })),
         );
         assert!(a == b, "density {kernel}");
         let (a, b): (Vec<f32>, Vec<f32>) = (
-            fluid.all(|lists, out| pairs.flux(lists, field, out)),
-            fluid.all(|lists, out| plain(kernel, flux::Work { pairs, lists, field, out })),
+            fluid.all(kernel, |lists, out| pairs.flux(lists, field, out)),
+            fluid.all(kernel, |lists, out| plain(kernel, flux::Work { pairs, lists, field, out })),
         );
         assert!(a == b, "flux {kernel}");
         let (a, b): (Vec<[f32; 3]>, Vec<[f32; 3]>) = (
-            fluid.all(|lists, out| pairs.acceleration(lists, out)),
-            fluid.all(|lists, out| plain(kernel, acceleration::Work { pairs, lists, out })),
+            fluid.all(kernel, |lists, out| pairs.acceleration(lists, out)),
+            fluid.all(kernel, |lists, out| plain(kernel, acceleration::Work { pairs, lists, out })),
         );
         assert!(a == b, "acceleration {kernel}");
         let (a, b): (Vec<[[f32; 3]; 2]>, Vec<[[f32; 3]; 2]>) = (
-            fluid.all(|lists, out| pairs.viscosity(lists, velocities, out)),
-            fluid.all(|lists, out| plain(kernel, viscosity::Work { pairs, lists, velocities, out })),
+            fluid.all(kernel, |lists, out| pairs.viscosity(lists, velocities, out)),
+            fluid.all(kernel, |lists, out| plain(kernel, viscosity::Work { pairs, lists, velocities, out })),
         );
         assert!(a == b, "viscosity {kernel}");
     }

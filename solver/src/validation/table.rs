@@ -60,7 +60,7 @@ mod tests {
         let text = to_text("rest", &outcome);
         let lines: Vec<&str> = text.lines().collect();
         assert!(
-            lines[2].contains("0.900 to 1.100 rp") && lines[2].ends_with("1.250 rp    NOT met"),
+            lines[2].contains("0.900 to 1.100 rp  1.250 rp ") && lines[2].ends_with("  NOT met"),
             "{text}"
         );
         assert!(lines[3].contains("1.20e-4 m/s") && lines[3].ends_with(" met"), "{text}");
