@@ -1,6 +1,6 @@
 //! Particles where none may be: in a body, or out of the domain. Counted, brought back or removed, never in silence.
 //!
-//! A particle in a body is moved towards the surface and a little beyond, up to its radius in every step, and keeps no
+//! A particle in a body is moved towards the surface and a little beyond, by its radius in every step, and keeps no
 //! velocity along the way: what pressure would make of a particle that sees nothing but wall must not shoot it out. So it
 //! gains no energy. The way out is along the normal, or, deeper than the map's band, along the shortest of 26 rays.
 
@@ -33,7 +33,7 @@ pub fn bring_back<'a>(
         let along = (own - bodies.velocity_at(body, position)).dot(direction);
         // Never put down between the surface and there.
         let length = match way.length() {
-            way if way <= particle_radius => way + BEYOND * particle_radius,
+            way if way <= 1.5 * particle_radius => way + BEYOND * particle_radius,
             _ => particle_radius,
         };
         particles.positions[particle] = position + (length - along * dt) * direction;
