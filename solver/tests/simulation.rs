@@ -115,7 +115,9 @@ fn particles_in_a_body_come_back_calmly() {
             energy(&simulation),
             simulation.particles()
         );
-        assert!(simulation.particles().positions[0].y >= 3.1 - 1e-3);
+        let place = simulation.particles().positions[0];
+        // By the top, or the side at z = 1.55 m, which is nearer to the last one.
+        assert!(place.y.max(place.z + 1.55) >= 3.1 - 1e-3, "{depth}: {place}");
     }
 }
 
