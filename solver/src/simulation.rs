@@ -165,7 +165,8 @@ impl Simulation {
     fn time_step(&self, max_speed: f64) -> Result<f64, Error> {
         let settings = &self.solver.time_step;
         let smallest = if settings.adaptive { settings.min } else { settings.initial };
-        if !(max_speed * smallest <= self.world.support_radius) {
+        let way = max_speed * smallest;
+        if way.is_nan() || way > self.world.support_radius {
             return Err(self.stopped(format!(
                 "the largest speed is {max_speed:.3e} m/s: a particle crosses the support radius of {} m in the smallest \
                  time step, {smallest:e} s; allow smaller steps (solver.time_step), or look for fluid that begins in a \

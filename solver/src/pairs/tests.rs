@@ -26,6 +26,11 @@ fn field(count: usize, seed: u64) -> Vec<Quad> {
     out
 }
 
+/// Laplacian and mean difference.
+type Both = [[f32; 3]; 2];
+/// What a kernel says of eight distances.
+type UnitKernel = fn([f64; 8]) -> [[f32; 8]; 4];
+
 struct Fluid {
     positions: Vec<DVec3>,
     neighbours: Neighbours,
@@ -218,7 +223,7 @@ fn all_lanes_give_the_same_bits() {
             fluid.all(kernel, |lists, out| plain(kernel, acceleration::Work { pairs, lists, out })),
         );
         assert!(a == b, "acceleration {kernel}");
-        let (a, b): (Vec<[[f32; 3]; 2]>, Vec<[[f32; 3]; 2]>) = (
+        let (a, b): (Vec<Both>, Vec<Both>) = (
             fluid.all(kernel, |lists, out| pairs.viscosity(lists, velocities, out)),
             fluid.all(kernel, |lists, out| plain(kernel, viscosity::Work { pairs, lists, velocities, out })),
         );
@@ -236,7 +241,7 @@ fn unit<K: KernelLanes>(q: [f64; lanes::LANES]) -> [[f32; lanes::LANES]; 4] {
 
 #[test]
 fn unit_kernels_are_the_runtimes() {
-    let of: [(KernelKind, fn([f64; 8]) -> [[f32; 8]; 4]); 4] = [
+    let of: [(KernelKind, UnitKernel); 4] = [
         (KernelKind::CubicSpline, unit::<CubicSpline>),
         (KernelKind::WendlandC2, unit::<WendlandC2>),
         (KernelKind::Spiky, unit::<Spiky>),

@@ -99,7 +99,7 @@ mod tests {
         let ball = ball(1.0, 5);
         for level in [-1.5, -0.6, 0.0, 0.3, 1.2] {
             let pose = Pose { translation: DVec3::new(3.0, 2.0, 1.0), ..Pose::default() };
-            let height = (1.0 + level as f64).clamp(0.0, 2.0);
+            let height = (1.0_f64 + level).clamp(0.0, 2.0);
             let cap = PI * height * height * (3.0 - height) / 3.0;
             assert!((volume_below(&ball, pose, 2.0 + level) - cap).abs() < 1e-2, "{level}");
         }
