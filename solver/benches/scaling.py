@@ -3,7 +3,8 @@
 
 scaling.py [--sim target/release/volmap-sim] [--steps 20] [--threads 2] [--particles 60000 250000 1000000 3000000]
 
-Cubes of water of particle radius 0.025 m that fill half of their tank's floor edge, cells of the map half a support radius.
+Cubes of water of particle radius 0.025 m that fill half of their tank's floor edge, cells of the map half a support radius,
+6 + 2 iterations in every step.
 Prints nanoseconds a particle and step, iterations, and the process's largest resident memory.
 """
 import argparse
@@ -26,6 +27,9 @@ def scene(count):
     scale = 2 * edge / 3.1
     return {
         "version": 1, "particle_radius": 0.025,
+        # The same work at every size.
+        "solver": {"density": {"min_iterations": 6, "max_iterations": 6},
+                   "divergence": {"min_iterations": 2, "max_iterations": 2}},
         "blocks": [{"min": [-edge, 0, -edge], "max": [0, edge, 0]}],
         "bodies": [{"name": "tank", "mesh": str(ROOT / "data/tank.obj"),
                     "bake": {"invert": True, "scale": [scale] * 3, "cell_size": 0.05}}],
