@@ -132,13 +132,19 @@ impl ChunkContacts {
     }
 }
 
+impl Contact {
+    /// Gradient of the body's density, 1/m.
+    pub fn gradient(&self) -> DVec3 {
+        DVec3::from_array(self.gradient.map(f64::from))
+    }
+}
+
 impl Wall {
     fn add(&mut self, contact: &Contact) {
         self.density += contact.density;
         for (sum, part) in self.gradient.iter_mut().zip(contact.gradient) {
             *sum += part;
         }
-        let gradient = DVec3::from_array(contact.gradient.map(f64::from));
-        self.flux += contact.velocity.dot(gradient) as f32;
+        self.flux += contact.velocity.dot(contact.gradient()) as f32;
     }
 }

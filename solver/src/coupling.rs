@@ -2,9 +2,13 @@
 //! al. 2020, section 4.3.
 
 use crate::bodies::Bodies;
+use crate::boundary::Contact;
 use crate::fields::Fields;
 use crate::pressure::Solve;
 use volmap_runtime::DVec3;
+
+/// Force and torque, or linear and angular acceleration, of each body.
+pub type Motions = Vec<[DVec3; 2]>;
 
 /// Adds forces and torques, one pair for each body, to those that are free.
 pub fn push(bodies: &mut Bodies, forces: &[[DVec3; 2]]) {
@@ -15,20 +19,34 @@ pub fn push(bodies: &mut Bodies, forces: &[[DVec3; 2]]) {
     }
 }
 
-/// Force and torque about the centre of mass of each body by a solve's pressures. `mass` is a particle's, kg.
-pub fn forces(bodies: &Bodies, fields: &Fields, solve: &Solve, mass: f64) -> Vec<[DVec3; 2]> {
+/// Force and torque about the centre of mass of each body by a solve's pressures; zero if no body is free. `mass` is a
+/// particle's, kg.
+pub fn forces(bodies: &Bodies, fields: &Fields, solve: &Solve, mass: f64) -> Motions {
+    let free = (0..bodies.posed().len()).any(|body| bodies.is_free(body));
+    let contacts = solve.boundary.contacts().filter(|_| free);
+    let factor = |particle: usize| solve.wall_factor(fields.places[particle][3], fields.densities[particle]);
+    sum(bodies, contacts, factor, mass)
+}
+
+/// Force and torque about the centre of mass of each body at these contacts; `factor` is what a particle's gradient is
+/// multiplied by, m^2/s^2.
+pub fn sum<'a>(
+    bodies: &Bodies,
+    contacts: impl Iterator<Item = &'a Contact>,
+    factor: impl Fn(usize) -> f32,
+    mass: f64,
+) -> Motions {
     let mut out = vec![[DVec3::ZERO; 2]; bodies.posed().len()];
-    if !(0..out.len()).any(|body| bodies.is_free(body)) {
-        return out;
-    }
-    for contact in solve.boundary.contacts() {
-        let particle = contact.particle as usize;
-        let factor = solve.wall_factor(fields.places[particle][3], fields.densities[particle]);
-        let force = mass * f64::from(factor) * DVec3::from_array(contact.gradient.map(f64::from));
-        let body = contact.body as usize;
-        let [sum, torque] = &mut out[body];
+    for contact in contacts {
+        let force = mass * f64::from(factor(contact.particle as usize)) * contact.gradient();
+        let [sum, torque] = &mut out[contact.body as usize];
         *sum += force;
-        *torque += (contact.point - bodies.center_of_mass(body)).cross(force);
+        *torque += arm(bodies, contact).cross(force);
     }
     out
+}
+
+/// From the centre of mass to the sample point, metres.
+pub fn arm(bodies: &Bodies, contact: &Contact) -> DVec3 {
+    contact.point - bodies.center_of_mass(contact.body as usize)
 }

@@ -22,8 +22,7 @@ pub struct Discretization {
 impl Discretization {
     /// The sums over neighbours at these places.
     pub fn pairs(self, places: &[Quad]) -> Pairs<'_> {
-        let Discretization { kernel, support_radius, volume } = self;
-        Pairs { kernel, support_radius, volume, places }
+        Pairs { with: self, places }
     }
 }
 

@@ -38,6 +38,8 @@ pub struct Lists {
 struct Candidates {
     places: Vec<[[f32; LANES]; 3]>,
     indices: Vec<u32>,
+    /// Those that are near one particle, and room for the last eight.
+    near: Vec<u32>,
 }
 
 impl Neighbours {
@@ -124,10 +126,28 @@ impl Candidates {
             let [[x, y, z, _]] = V::gather([places], group);
             self.places.push([x.array(), y.array(), z.array()]);
         }
+        self.near.resize(self.indices.len() + LANES, 0);
+    }
+
+    /// Puts those nearer than 1 first into `near`; how many they are.
+    #[inline(always)]
+    fn find<V: Lanes>(&mut self, at: Quad) -> usize {
+        let Candidates { places, indices, near } = self;
+        let (x, y, z, one) = (V::splat(at[0]), V::splat(at[1]), V::splat(at[2]), V::splat(1.0));
+        let mut count = 0;
+        for ([xs, ys, zs], indices) in places.iter().zip(indices.as_chunks::<LANES>().0) {
+            let (dx, dy, dz) = (V::load(xs) - x, V::load(ys) - y, V::load(zs) - z);
+            let hits = ((dx * dx + dy * dy) + dz * dz).below(one);
+            if let Some(out) = near[count..].first_chunk_mut() {
+                *out = V::compress(indices, hits);
+            }
+            count += hits.count_ones() as usize;
+        }
+        count
     }
 
     fn memory_bytes(&self) -> usize {
-        4 * (self.indices.capacity() + 3 * LANES * self.places.capacity())
+        4 * (self.indices.capacity() + self.near.capacity() + 3 * LANES * self.places.capacity())
     }
 }
 
@@ -149,38 +169,21 @@ impl Work for Search<'_> {
         groups.clear();
         let filling = 4 * (self.places.len() as u32 - 1);
         let mut cell = IVec3::MIN;
-        let mut near = Vec::new();
         for particle in self.particles {
             let here = self.cells.cell(self.positions[particle]);
             if here != cell {
                 cell = here;
                 candidates.gather::<V>(self.cells, cell, self.places);
-                near.resize(candidates.indices.len() + LANES, 0);
             }
             starts.push(groups.len() as u32);
-            let count = within_reach::<V>(candidates, self.places[particle], &mut near);
-            near[count..count.next_multiple_of(LANES)].fill(filling);
-            groups.extend(near[..count.next_multiple_of(LANES)].as_chunks().0);
+            let count = candidates.find::<V>(self.places[particle]);
+            let near = &mut candidates.near[..count.next_multiple_of(LANES)];
+            near[count..].fill(filling);
+            groups.extend(near.as_chunks().0);
         }
         starts.push(groups.len() as u32);
         slopes.resize(groups.len(), [0.0; LANES]);
     }
-}
-
-/// Writes the candidates nearer than 1 to `out`, and how many they are.
-#[inline(always)]
-fn within_reach<V: Lanes>(candidates: &Candidates, at: Quad, out: &mut [u32]) -> usize {
-    let (x, y, z, one) = (V::splat(at[0]), V::splat(at[1]), V::splat(at[2]), V::splat(1.0));
-    let mut count = 0;
-    for ([xs, ys, zs], indices) in candidates.places.iter().zip(candidates.indices.as_chunks::<LANES>().0) {
-        let (dx, dy, dz) = (V::load(xs) - x, V::load(ys) - y, V::load(zs) - z);
-        let hits = ((dx * dx + dy * dy) + dz * dz).below(one);
-        if let Some(out) = out[count..].first_chunk_mut() {
-            *out = V::compress(indices, hits);
-        }
-        count += hits.count_ones() as usize;
-    }
-    count
 }
 
 #[cfg(test)]

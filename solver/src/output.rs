@@ -34,6 +34,6 @@ fn publish(path: &Path, bytes: &[u8]) -> Result<(), Error> {
 }
 
 /// What the system says of a file.
-fn io_error(path: &Path) -> impl Fn(std::io::Error) -> Error + '_ {
+pub(crate) fn io_error(path: &Path) -> impl Fn(std::io::Error) -> Error + '_ {
     |source| Error::Io { path: path.to_owned(), source }
 }

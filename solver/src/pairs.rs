@@ -12,6 +12,7 @@ mod kernels;
 pub(crate) mod lanes;
 mod viscosity;
 
+use crate::fields::Discretization;
 use crate::neighbours::{CHUNK, Lists};
 use kernels::{CubicSpline, KernelLanes, Poly6, Spiky, WendlandC2};
 use lanes::{Group, Lanes, Quad, Work, dispatch};
@@ -22,12 +23,8 @@ pub use density::Density;
 /// What all sums share.
 #[derive(Clone, Copy, Debug)]
 pub struct Pairs<'a> {
-    /// The kernel.
-    pub kernel: KernelKind,
-    /// Support radius r, metres.
-    pub support_radius: f64,
-    /// Volume V of a particle, m^3.
-    pub volume: f64,
+    /// What the sums are made with.
+    pub with: Discretization,
     /// Places in support radii and a fourth number, P where pressure is asked for; one more than particles are, the
     /// last one far from all.
     pub places: &'a [Quad],
@@ -59,16 +56,17 @@ impl Pairs<'_> {
 
     /// V NORM / r^3: what the sum of w becomes a density by.
     fn density_scale<K: KernelLanes>(&self) -> f32 {
-        (self.volume * f64::from(K::NORM) / self.support_radius.powi(3)) as f32
+        (self.with.volume * f64::from(K::NORM) / self.with.support_radius.powi(3)) as f32
     }
 
     /// V NORM SLOPE / r^4: what the sum of slope x / r becomes V grad W by.
     fn gradient_scale<K: KernelLanes>(&self) -> f32 {
-        (self.volume * f64::from(K::NORM) * f64::from(K::SLOPE) / self.support_radius.powi(4)) as f32
+        (self.with.volume * f64::from(K::NORM) * f64::from(K::SLOPE) / self.with.support_radius.powi(4))
+            as f32
     }
 
     fn run(&self, work: impl KernelWork) {
-        dispatch(WithKernel { kernel: self.kernel, work });
+        dispatch(WithKernel { kernel: self.with.kernel, work });
     }
 }
 

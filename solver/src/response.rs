@@ -5,10 +5,8 @@
 
 use crate::bodies::Bodies;
 use crate::boundary::{Boundary, Contact};
+use crate::coupling::{self, Motions};
 use volmap_runtime::DVec3;
-
-/// Force and torque, or linear and angular acceleration, of each body.
-pub type Motions = Vec<[DVec3; 2]>;
 
 /// The free bodies in a solve.
 pub struct Response<'a> {
@@ -46,13 +44,7 @@ impl<'a> Response<'a> {
 
     /// The same of the accelerations by the fluid; `factor` is what a particle's gradient is multiplied by, m^2/s^2.
     pub fn add_response(&self, factor: impl Fn(usize) -> f32, flux: &mut [f32]) {
-        let mut pushes = vec![[DVec3::ZERO; 2]; self.known.len()];
-        for contact in &self.contacts {
-            let force = self.mass * f64::from(factor(contact.particle as usize)) * gradient(contact);
-            let [sum, torque] = &mut pushes[contact.body as usize];
-            *sum += force;
-            *torque += self.arm(contact).cross(force);
-        }
+        let pushes = coupling::sum(self.bodies, self.contacts.iter().copied(), factor, self.mass);
         let motion =
             |(body, [force, torque]): (usize, &[DVec3; 2])| self.bodies.response(body, *force, *torque);
         let motions: Motions = pushes.iter().enumerate().map(motion).collect();
@@ -65,8 +57,8 @@ impl<'a> Response<'a> {
         let mut sums = vec![[0.0; 2]; self.known.len()];
         for contact in &self.contacts {
             let [linear, angular] = &mut sums[contact.body as usize];
-            *linear += gradient(contact).length();
-            *angular += self.arm(contact).cross(gradient(contact)).length();
+            *linear += contact.gradient().length();
+            *angular += coupling::arm(self.bodies, contact).cross(contact.gradient()).length();
         }
         let inverse = |body: usize| {
             let square = |turn: bool| {
@@ -83,8 +75,9 @@ impl<'a> Response<'a> {
         let inverses: Vec<[f64; 2]> = (0..sums.len()).map(inverse).collect();
         for contact in &self.contacts {
             let (sum, inverse) = (sums[contact.body as usize], inverses[contact.body as usize]);
-            let linear = gradient(contact).length() * sum[0] * inverse[0];
-            let angular = self.arm(contact).cross(gradient(contact)).length() * sum[1] * inverse[1];
+            let linear = contact.gradient().length() * sum[0] * inverse[0];
+            let angular =
+                coupling::arm(self.bodies, contact).cross(contact.gradient()).length() * sum[1] * inverse[1];
             factors[contact.particle as usize] += (self.mass * (linear + angular)) as f32;
         }
     }
@@ -92,17 +85,8 @@ impl<'a> Response<'a> {
     fn add(&self, motions: &[[DVec3; 2]], flux: &mut [f32]) {
         for contact in &self.contacts {
             let [linear, angular] = motions[contact.body as usize];
-            let here = linear + angular.cross(self.arm(contact));
-            flux[contact.particle as usize] += here.dot(gradient(contact)) as f32;
+            let here = linear + angular.cross(coupling::arm(self.bodies, contact));
+            flux[contact.particle as usize] += here.dot(contact.gradient()) as f32;
         }
     }
-
-    /// From the centre of mass to the sample point, metres.
-    fn arm(&self, contact: &Contact) -> DVec3 {
-        contact.point - self.bodies.center_of_mass(contact.body as usize)
-    }
-}
-
-fn gradient(contact: &Contact) -> DVec3 {
-    DVec3::from_array(contact.gradient.map(f64::from))
 }

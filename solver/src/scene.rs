@@ -26,7 +26,7 @@ pub use body::{Bake, Body, FreeMotion, Keyframe, Material, Motion, Spin};
 pub use emitter::Emitter;
 pub use fluid::{Block, EmitterSettings, Fill, Nozzle};
 pub use numbers::{PerAxis, Region, Rotation};
-pub use output::{Camera, Format, OutputSettings, Picture, StopSettings};
+pub use output::{Camera, OutputSettings, Picture, StopSettings};
 pub use prepare::{Prepared, PreparedBody, prepare};
 pub use read::{Syntax, load, parse};
 pub use summary::{Summary, check, info};

@@ -4,10 +4,11 @@ use crate::assemble::assemble;
 use crate::error::Error;
 use crate::output::{self, BodyFrame, Frame, Output, StepStatistics};
 use crate::resume;
-use crate::scene::{self, Format, Picture, Prepared, PreparedBody, Scene};
+use crate::scene::{self, Picture, Prepared, PreparedBody, Scene};
 use crate::simulation::{Simulation, StepReport};
 use crate::stages::Stages;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 use volmap_formats::asset::Exterior;
 use volmap_formats::mesh::TriangleMesh;
@@ -68,7 +69,9 @@ impl Session {
         let scene = scene::load(path)?;
         let prepared = scene::prepare(&scene, on_bake)?;
         let notes = prepared.notes.clone();
-        let (world, meshes) = (picture_world(&scene, &prepared), body_meshes(&prepared));
+        let meshes = body_meshes(&prepared.bodies);
+        let world = picture_world(&scene, &prepared, &meshes);
+        let names: Vec<String> = prepared.bodies.iter().map(|body| body.name.clone()).collect();
         let mut simulation = Simulation::new(assemble(&scene, prepared)?);
         let hash = resume::scene_hash(&scene);
         let start = if settings.resume {
@@ -79,13 +82,18 @@ impl Session {
         };
         if !settings.resume {
             // One of an earlier run would be another run's; it goes before the tables that belong to it.
-            std::fs::remove_file(&checkpoint).or_else(ignore_missing).map_err(io(&checkpoint))?;
+            std::fs::remove_file(&checkpoint)
+                .or_else(ignore_missing)
+                .map_err(output::io_error(&checkpoint))?;
         }
         if settings.overwrite {
             output::folder::clear(folder)?;
         }
-        let meshes: Vec<(&str, &TriangleMesh)> =
-            meshes.iter().map(|(name, mesh)| (name.as_str(), mesh)).collect();
+        let meshes: Vec<(&str, &TriangleMesh)> = names
+            .iter()
+            .zip(&meshes)
+            .filter_map(|(name, mesh)| Some((name.as_str(), mesh.as_deref()?)))
+            .collect();
         let output = Output::open(folder, &output_settings(&scene), world, &meshes, start)?;
         let interval = scene.output.checkpoint_interval;
         let mut session = Session {
@@ -213,17 +221,8 @@ fn ignore_missing(error: std::io::Error) -> std::io::Result<()> {
     if error.kind() == std::io::ErrorKind::NotFound { Ok(()) } else { Err(error) }
 }
 
-fn io(path: &Path) -> impl Fn(std::io::Error) -> Error + '_ {
-    |source| Error::Io { path: path.to_owned(), source }
-}
-
 fn output_settings(scene: &Scene) -> output::OutputSettings {
     let settings = &scene.output;
-    let format = |format: &Format| match format {
-        Format::Vtu => output::particles::ParticleFormat::Vtu,
-        Format::Ply => output::particles::ParticleFormat::Ply,
-        Format::Bgeo => output::particles::ParticleFormat::Bgeo,
-    };
     let camera = settings.camera.as_ref().map(|camera| output::picture::Camera {
         from: camera.position,
         to: camera.target,
@@ -231,7 +230,7 @@ fn output_settings(scene: &Scene) -> output::OutputSettings {
     });
     let frames_per_second = settings.frames_per_second.round().clamp(1.0, 1000.0) as u16;
     output::OutputSettings {
-        particles: settings.formats.iter().map(format).collect(),
+        particles: settings.formats.clone(),
         pictures: !settings.preview.is_empty(),
         picture: output::picture::PictureSettings { camera, ..Default::default() },
         animate: settings.preview.contains(&Picture::Apng),
@@ -239,19 +238,17 @@ fn output_settings(scene: &Scene) -> output::OutputSettings {
     }
 }
 
-/// The mesh of each body, as it was given or from its map's surface.
-fn body_meshes(prepared: &Prepared) -> Vec<(String, TriangleMesh)> {
-    prepared.bodies.iter().filter_map(|body| Some((body.name.clone(), mesh_of(body)?))).collect()
+/// The mesh of each body, as it was given or from its map's surface; none where there is no surface.
+fn body_meshes(bodies: &[PreparedBody]) -> Vec<Option<Arc<TriangleMesh>>> {
+    let surface = |body: &PreparedBody| output::bodies::surface_of_map(&body.map).ok().map(Arc::new);
+    bodies.iter().map(|body| body.mesh.clone().or_else(|| surface(body))).collect()
 }
 
-fn mesh_of(body: &PreparedBody) -> Option<TriangleMesh> {
-    match &body.mesh {
-        Some(mesh) => Some(TriangleMesh::clone(mesh)),
-        None => output::bodies::surface_of_map(&body.map).ok(),
-    }
-}
-
-fn picture_world(scene: &Scene, prepared: &Prepared) -> output::picture::World {
+fn picture_world(
+    scene: &Scene,
+    prepared: &Prepared,
+    meshes: &[Option<Arc<TriangleMesh>>],
+) -> output::picture::World {
     let mut bounds = output::picture::Bounds::EMPTY;
     for &position in &prepared.particles.positions {
         bounds.add(position.as_vec3());
@@ -260,14 +257,14 @@ fn picture_world(scene: &Scene, prepared: &Prepared) -> output::picture::World {
         bounds.add(place.as_vec3());
     }
     let mut props = Vec::new();
-    for body in &prepared.bodies {
-        let Some(mesh) = mesh_of(body) else { continue };
+    for (body, mesh) in prepared.bodies.iter().zip(meshes) {
+        let Some(mesh) = mesh else { continue };
         for &vertex in &mesh.vertices {
             bounds.add(body.pose.to_world(vertex.into()).as_vec3());
         }
         props.push(output::picture::Prop {
             name: body.name.clone(),
-            model: output::picture::Model::new(&mesh),
+            model: output::picture::Model::new(mesh),
             pose: body.pose,
             container: body.map.exterior() == Exterior::Solid,
             colour: body.settings.colour.map(|colour| colour.map(|channel| (channel * 255.0).round() as u8)),

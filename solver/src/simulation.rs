@@ -60,6 +60,30 @@ pub struct Simulation {
     stages: Stages,
 }
 
+/// What a solve is for.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Goal {
+    Divergence,
+    Density,
+}
+
+impl Goal {
+    fn settings(self, solver: &SolverSettings) -> &SolveSettings {
+        match self {
+            Goal::Divergence => &solver.divergence,
+            Goal::Density => &solver.density,
+        }
+    }
+
+    /// Where the next solve begins.
+    fn pressures(self, particles: &mut Particles) -> &mut Vec<f32> {
+        match self {
+            Goal::Divergence => &mut particles.divergence_pressures,
+            Goal::Density => &mut particles.pressures,
+        }
+    }
+}
+
 /// What a step was like.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct StepReport {
@@ -203,18 +227,7 @@ impl Simulation {
     }
 
     fn correct_divergence_error(&mut self, dt: f64) -> SolveReport {
-        if !self.solver.divergence.enabled {
-            return SolveReport::default();
-        }
-        self.fields.set_pressures(&self.particles.divergence_pressures, self.solver.warm_start as f32);
-        let mut fields = std::mem::take(&mut self.fields);
-        let solve = self.solve(&self.solver.divergence, false, dt);
-        let report = fields.correct_divergence(&solve);
-        let forces = coupling::forces(&self.bodies, &fields, &solve, self.particle_mass());
-        fields.keep_pressures(&mut self.particles.divergence_pressures);
-        fields.accelerate(dt);
-        self.fields = fields;
-        self.push(&forces);
+        let report = self.correct(Goal::Divergence, dt);
         self.stages.end(|stages| &mut stages.divergence);
         report
     }
@@ -227,19 +240,30 @@ impl Simulation {
     }
 
     fn correct_density_error(&mut self, dt: f64) -> SolveReport {
-        if !self.solver.density.enabled {
+        let report = self.correct(Goal::Density, dt);
+        self.stages.end(|stages| &mut stages.pressure);
+        report
+    }
+
+    /// A solve, and what its pressures do to fluid and bodies.
+    fn correct(&mut self, goal: Goal, dt: f64) -> SolveReport {
+        if !goal.settings(&self.solver).enabled {
             return SolveReport::default();
         }
-        self.fields.set_pressures(&self.particles.pressures, self.solver.warm_start as f32);
         let mut fields = std::mem::take(&mut self.fields);
-        let solve = self.solve(&self.solver.density, true, dt);
-        let report = fields.correct_density(&solve);
+        let mut pressures = std::mem::take(goal.pressures(&mut self.particles));
+        fields.set_pressures(&pressures, self.solver.warm_start as f32);
+        let solve = self.solve(goal, dt);
+        let report = match goal {
+            Goal::Divergence => fields.correct_divergence(&solve),
+            Goal::Density => fields.correct_density(&solve),
+        };
         let forces = coupling::forces(&self.bodies, &fields, &solve, self.particle_mass());
-        fields.keep_pressures(&mut self.particles.pressures);
+        fields.keep_pressures(&mut pressures);
         fields.accelerate(dt);
         self.fields = fields;
+        *goal.pressures(&mut self.particles) = pressures;
         self.push(&forces);
-        self.stages.end(|stages| &mut stages.pressure);
         report
     }
 
@@ -251,14 +275,15 @@ impl Simulation {
         }
     }
 
-    /// `after_gravity`: the fluid's velocities have been changed by gravity and the first solve, the bodies' not yet.
-    fn solve<'a>(&'a self, settings: &'a SolveSettings, after_gravity: bool, dt: f64) -> Solve<'a> {
+    fn solve(&self, goal: Goal, dt: f64) -> Solve<'_> {
+        // By then the fluid's velocities have been changed by gravity and the first solve, the bodies' not yet.
+        let after_gravity = goal == Goal::Density;
         Solve {
             with: self.discretization(),
             neighbours: &self.neighbours,
             boundary: &self.boundary,
             response: Response::new(&self.bodies, &self.boundary, self.particle_mass(), after_gravity),
-            settings,
+            settings: goal.settings(&self.solver),
             mirrored: self.solver.mirrored_pressure,
             relaxation: self.solver.relaxation as f32,
             dt,

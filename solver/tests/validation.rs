@@ -1,4 +1,5 @@
-//! The short forms of the experiments: everything that has a target meets it. `volmap-sim validate` has the long ones.
+//! The short forms of rest and momentum within bounds, which are wider than the targets where those are not met:
+//! VALIDATION.md. `volmap-sim validate` has the long ones.
 
 use volmap_solver::validation::{EXPERIMENTS, Experiment, Outcome, Run, table};
 

@@ -21,7 +21,7 @@ impl KernelWork for Work<'_> {
     fn run<V: Lanes, K: KernelLanes>(self) {
         let (of_density, of_gradient) = (self.pairs.density_scale::<K>(), self.pairs.gradient_scale::<K>());
         // x . x and x are in support radii: one of them is left over.
-        let of_laplacian = FACTOR * of_gradient / self.pairs.support_radius as f32;
+        let of_laplacian = FACTOR * of_gradient / self.pairs.with.support_radius as f32;
         let small = V::splat(0.01);
         for (within, out) in self.out.iter_mut().enumerate() {
             let particle = self.lists.first + within;

@@ -1,6 +1,7 @@
 //! What a run leaves, and when it ends.
 
 use super::check::{At, Checked};
+use crate::output::particles::ParticleFormat;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -11,7 +12,7 @@ pub struct OutputSettings {
     /// Frames per simulated second; 0: none.
     pub frames_per_second: f64,
     /// Files of the particles in every frame.
-    pub formats: Vec<Format>,
+    pub formats: Vec<ParticleFormat>,
     /// Pictures of the run, one of each kind.
     pub preview: Vec<Picture>,
     /// Where pictures are seen from. Default: from where all is seen.
@@ -20,18 +21,6 @@ pub struct OutputSettings {
     pub checkpoint_interval: f64,
     /// Whether a line per step goes to stats.csv.
     pub statistics: bool,
-}
-
-/// Files of particles.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum Format {
-    /// VTK's XML, for ParaView.
-    Vtu,
-    /// Stanford's, for splashsurf and Blender.
-    Ply,
-    /// Houdini's, for splashsurf and Houdini.
-    Bgeo,
 }
 
 /// Pictures.
@@ -75,7 +64,7 @@ impl Default for OutputSettings {
     fn default() -> Self {
         OutputSettings {
             frames_per_second: 25.0,
-            formats: vec![Format::Vtu],
+            formats: vec![ParticleFormat::Vtu],
             preview: vec![Picture::Apng],
             camera: None,
             checkpoint_interval: 0.5,
