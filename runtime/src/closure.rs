@@ -16,33 +16,37 @@
 //!   ([`Closure::density_probing`]).
 //! - `lattice`: as `calibrated`, R being what a half space of particles on a lattice adds instead of a continuum
 //!   ([`lattice`]), so that a fluid's layers rest at rp, 3 rp, ..
-//! - `mirror`: as `wedge`, R being what the fluid's mirror image adds ([`mirror`]): value, slope and mirrored pressure
-//!   belong together, so that a fluid comes to rest, at rp from walls and calmly.
+//! - `mirror`: what the fluid's mirror image adds ([`mirror`]), as a function of the volume alone, of a map with a quarter of
+//!   the kernel's support radius ([`image`]): value, slope and mirrored pressure belong together, so that a fluid comes to
+//!   rest, at rp from walls and calmly, in edges and corners too.
 //!
 //! The gradient of these is that along the normal, at constant V / V_plane; with the gradient of V, which the map
 //! gives too, it is the true one ([`Closure::density_with_gradient`]).
 //!
-//! The map is the same for all kernels and closures; tables are computed when a [`Closure`] is made, which takes
-//! less than a millisecond, and only read afterwards.
+//! The map is the same for all kernels; its support radius is that of the kernel, or for `mirror` a quarter of it
+//! ([`ClosureKind::map_radius`]). Tables are computed when a [`Closure`] is made, which takes milliseconds, and only read
+//! afterwards.
 //!
 //! Inside the solid (Phi < 0) every closure's density grows with depth and its gradient keeps its direction, so that
-//! pressure pushes a particle out: `paper` continues W oddly about the surface (2 W(0) - W, slope W'), and
-//! `calibrated` continues R along its tangent.
+//! pressure pushes a particle out: `paper` continues W oddly about the surface (2 W(0) - W, slope W'), the others
+//! continue R along its tangent, `mirror` until the ball is full of solid, at a depth of r / 4.
 
+mod image;
 mod lattice;
 mod mirror;
 mod plane;
 pub(crate) mod quadrature;
 mod table;
+mod wall;
 mod wedge;
 
-use crate::kernel::{Kernel, KernelKind};
+use crate::kernel::Kernel;
 use crate::query::{Boundary, Sample};
 use glam::DVec3;
-use mirror::Mirror;
+use image::Image;
 use std::fmt;
 use std::str::FromStr;
-use table::Table;
+use wall::Walls;
 
 /// How a volume becomes a density.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -58,7 +62,7 @@ pub enum ClosureKind {
     Wedge,
     /// As `Calibrated`, for fluids whose particles lie in layers.
     Lattice,
-    /// As `Wedge`, from the fluid's mirror image.
+    /// From the fluid's mirror image, by maps of a quarter of the kernel's support radius.
     Mirror,
 }
 
@@ -72,6 +76,14 @@ impl ClosureKind {
         ClosureKind::Lattice,
         ClosureKind::Mirror,
     ];
+
+    /// The support radius (metres) of the maps that it takes, for a kernel of this one.
+    pub fn map_radius(self, support_radius: f64) -> f64 {
+        match self {
+            ClosureKind::Mirror => support_radius / image::MAPS_PER_RADIUS,
+            _ => support_radius,
+        }
+    }
 
     fn name(self) -> &'static str {
         match self {
@@ -117,12 +129,6 @@ pub struct BoundaryDensity {
 /// volume, and so its boundaries have less as well.
 const OFFSET_FACTOR: f64 = 0.8;
 
-/// Intervals of the tables in a support radius: the interpolated density is within 1e-8 of the integral.
-const PER_RADIUS: usize = 128;
-
-/// Intervals of the table of edges, whose values are needed less exactly.
-const EDGE_INTERVALS: usize = 32;
-
 /// Depth below the surface, in support radii, at which a probe tells an edge from a ball.
 const PROBE_DEPTH: f64 = 0.25;
 
@@ -130,68 +136,34 @@ const PROBE_DEPTH: f64 = 0.25;
 /// 120 degrees 0.13. Below it the exponent is led over to that of a ball.
 const PROBE_EDGE: f64 = 0.15;
 
-/// Part of an edge's volume deficit below which a probe isn't worth its time: there the exponents differ by less than 3 %
-/// of the way, the densities by 0.2 %.
-const PROBE_FROM: f64 = 0.1;
-
 /// A closure for one kernel and particle size.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Closure {
     kind: ClosureKind,
     kernel: Kernel,
     particle_radius: f64,
-    per_radius: f64,
-    /// -ln r^3.
-    log_unit: f64,
-    /// Over Phi / r: R, ln(V_plane / r^3), beta.
-    plane: Table<3>,
-    /// Over Phi / r: V_edge / V_plane, the exponent there.
-    edges: Option<Table<2>>,
+    tables: Tables,
 }
 
-/// What is known of the solid around a particle, as far as it is a wall.
-struct Wall {
-    /// R and dR/dPhi, r times.
-    density: [f64; 2],
-    /// ln(V / V_plane).
-    log_ratio: f64,
-    /// r d ln V_plane / dPhi.
-    log_plane_slope: f64,
-    exponent: Exponent,
-}
-
-/// The exponent of V / V_plane.
-#[derive(Clone, Copy)]
-struct Exponent {
-    value: f64,
-    /// r times that with respect to Phi, and that with respect to ln(V / V_plane).
-    slope: f64,
-    ratio_slope: f64,
+/// What the kinds need.
+#[derive(Clone, Debug, PartialEq)]
+enum Tables {
+    /// All the volume at one point.
+    Point,
+    Walls(Walls),
+    Image(Image),
 }
 
 impl Closure {
-    /// A closure for particles of radius rp = `particle_radius` (metres, positive and finite; half of their spacing).
-    /// The kernel's support radius must be that of the maps it is used with.
+    /// A closure for particles of radius rp = `particle_radius` (metres, positive and finite; half of their spacing), and for
+    /// maps of [`ClosureKind::map_radius`].
     pub fn new(kind: ClosureKind, kernel: Kernel, particle_radius: f64) -> Closure {
-        let radius = kernel.support_radius();
-        let wall = WallDensity::new(kind, kernel.kind(), particle_radius / radius);
-        let plane = Table::new(-2.0, 1.0, 3 * PER_RADIUS, |d| {
-            let [volume, slope] = plane::volume(d);
-            [wall.at(d), [volume.ln(), slope / volume], exponent_of_plane(kernel, d)]
-        });
-        let edges = || {
-            let edge = |d: f64| wedge::edge(kernel.kind(), d);
-            Table::new(0.0, wedge::LAST, EDGE_INTERVALS, |d| with_slopes(edge, d, 0.0, wedge::LAST))
+        let tables = match kind {
+            ClosureKind::Paper | ClosureKind::Offset => Tables::Point,
+            ClosureKind::Mirror => Tables::Image(Image::new(kernel, particle_radius)),
+            _ => Tables::Walls(Walls::new(kind, kernel, particle_radius)),
         };
-        Closure {
-            kind,
-            kernel,
-            particle_radius,
-            per_radius: 1.0 / radius,
-            log_unit: -3.0 * radius.ln(),
-            plane: plane.limit(0),
-            edges: matches!(kind, ClosureKind::Wedge | ClosureKind::Mirror).then(edges),
-        }
+        Closure { kind, kernel, particle_radius, tables }
     }
 
     /// Which one it is.
@@ -272,13 +244,11 @@ impl Closure {
         if !(boundary.volume > 0.0 && boundary.distance < self.kernel.support_radius()) {
             return None;
         }
-        match self.kind {
-            ClosureKind::Paper => Some(self.paper(boundary)),
-            ClosureKind::Offset => self.offset(boundary, position),
-            ClosureKind::Calibrated | ClosureKind::Wedge | ClosureKind::Lattice | ClosureKind::Mirror => {
-                let wall = self.wall(boundary, || sharpness(boundary));
-                Some(self.calibrated(boundary, &wall, volume_gradient))
-            }
+        match &self.tables {
+            Tables::Point if self.kind == ClosureKind::Paper => Some(self.paper(boundary)),
+            Tables::Point => self.offset(boundary, position),
+            Tables::Walls(walls) => Some(walls.density(boundary, volume_gradient, || sharpness(boundary))),
+            Tables::Image(image) => image.density(boundary, volume_gradient),
         }
     }
 
@@ -302,107 +272,6 @@ impl Closure {
             point: position - distance * boundary.normal,
         })
     }
-
-    #[inline]
-    fn wall(&self, boundary: &Boundary, sharpness: impl FnOnce() -> f64) -> Wall {
-        let d = boundary.distance * self.per_radius;
-        let [density, log_plane, [value, slope]] = self.plane.at(d);
-        let log_ratio = boundary.volume.ln() + self.log_unit - log_plane[0];
-        let flat = Exponent { value, slope, ratio_slope: 0.0 };
-        let exponent = match &self.edges {
-            Some(edges) if log_ratio < 0.0 => towards_edge(flat, edges, d, log_ratio.exp(), sharpness),
-            _ => flat,
-        };
-        Wall { density, log_ratio, log_plane_slope: log_plane[1], exponent }
-    }
-
-    fn calibrated(
-        &self,
-        boundary: &Boundary,
-        wall: &Wall,
-        volume_gradient: Option<DVec3>,
-    ) -> BoundaryDensity {
-        let Wall { density: [value, slope], log_ratio, log_plane_slope, exponent } = *wall;
-        let factor = (exponent.value * log_ratio).exp();
-        let density = value * factor;
-        let gradient = match volume_gradient {
-            None => slope * factor * self.per_radius * boundary.normal,
-            Some(volume_gradient) => {
-                let power = exponent.value + exponent.ratio_slope * log_ratio;
-                let along = slope * factor + density * (exponent.slope * log_ratio - power * log_plane_slope);
-                along * self.per_radius * boundary.normal
-                    + density * power / boundary.volume * volume_gradient
-            }
-        };
-        BoundaryDensity { density, gradient, point: boundary.closest_point }
-    }
-}
-
-/// The exponent at distance d of a place that has `ratio` < 1 of a flat wall's volume: from the flat wall's to the edge's
-/// by a smooth step, which follows the way from the face of an edge around it to within 4 %.
-fn towards_edge(
-    flat: Exponent,
-    edges: &Table<2>,
-    d: f64,
-    ratio: f64,
-    sharpness: impl FnOnce() -> f64,
-) -> Exponent {
-    let [[edge_ratio, ratio_slope], [edge_value, edge_slope]] = edges.at(d);
-    let inside = if (0.0..wedge::LAST).contains(&d) { 1.0 } else { 0.0 };
-    let deficit = (1.0 - ratio) / (1.0 - edge_ratio);
-    let sharpness = if deficit > PROBE_FROM { sharpness() } else { 1.0 };
-    let s = deficit.min(1.0);
-    let (step, rise) = (s * s * (3.0 - 2.0 * s) * sharpness, 6.0 * s * (1.0 - s) * sharpness);
-    let way = edge_value - flat.value;
-    let deficit_slope = inside * deficit * ratio_slope / (1.0 - edge_ratio);
-    Exponent {
-        value: flat.value + way * step,
-        slope: flat.slope + (inside * edge_slope - flat.slope) * step + way * rise * deficit_slope,
-        ratio_slope: -way * rise * ratio / (1.0 - edge_ratio),
-    }
-}
-
-/// R of a flat wall over the distance, in support radii.
-enum WallDensity {
-    Continuum(KernelKind),
-    /// Kernel and particle radius.
-    Lattice(KernelKind, f64),
-    Mirror(Mirror),
-}
-
-impl WallDensity {
-    fn new(kind: ClosureKind, kernel: KernelKind, particle_radius: f64) -> WallDensity {
-        match kind {
-            ClosureKind::Lattice => WallDensity::Lattice(kernel, particle_radius),
-            ClosureKind::Mirror => WallDensity::Mirror(Mirror::new(kernel, particle_radius)),
-            _ => WallDensity::Continuum(kernel),
-        }
-    }
-
-    /// R and R'; in the solid along a tangent.
-    fn at(&self, d: f64) -> [f64; 2] {
-        let outside = d.max(0.0);
-        let [value, slope] = match self {
-            WallDensity::Mirror(mirror) => return mirror.density(d),
-            WallDensity::Continuum(kernel) => plane::density(*kernel, outside),
-            WallDensity::Lattice(kernel, radius) => lattice::density(*kernel, *radius, outside)
-                .unwrap_or_else(|| plane::density(*kernel, outside)),
-        };
-        [value + slope * d.min(0.0), slope]
-    }
-}
-
-/// beta and its derivative.
-fn exponent_of_plane(kernel: Kernel, d: f64) -> [f64; 2] {
-    with_slopes(|d| [plane::exponent(kernel.kind(), d)], d, -3.0, 1.0)[0]
-}
-
-/// Functions and their derivatives, from differences within low..=high.
-fn with_slopes<const N: usize>(f: impl Fn(f64) -> [f64; N], d: f64, low: f64, high: f64) -> [[f64; 2]; N] {
-    const STEP: f64 = 1e-5;
-    let (from, to) = ((d - STEP).max(low), (d + STEP).min(high));
-    let (value, below, above) = (f(d), f(from), f(to));
-    std::array::from_fn(|n| [value[n], (above[n] - below[n]) / (to - from)])
 }
 
 #[cfg(test)]

@@ -112,3 +112,26 @@ fn true_gradient_is_nearer_to_the_exact_one_at_edges() {
         assert!(full < 0.9 * simple, "{}, {kind}: {simple} {full}", shape.name);
     }
 }
+
+/// Where walls meet at right angles, closure `mirror` must fill up what a lattice of particles lacks there.
+#[test]
+fn mirror_fills_edges_and_corners() {
+    // In support radii of the map: those of the kernel are four times as long.
+    let particle = 1.0;
+    let kernel = Kernel::new(KernelKind::CubicSpline, 4.0);
+    let mirror = Closure::new(ClosureKind::Mirror, kernel, particle);
+    let walls: [(usize, &dyn Fn(DVec3) -> f64, f64); 3] =
+        [(1, &|x| x.z, 2e-3), (2, &|x| x.y.min(x.z), 0.025), (3, &|x| x.x.min(x.y).min(x.z), 0.035)];
+    for (count, phi, slack) in walls {
+        let x = particle * DVec3::ONE;
+        let (_, volume) = integrate(&phi, &Kernel::new(KernelKind::CubicSpline, 1.0), x, STEPS);
+        let wall = mirror.density(&boundary(&phi, x, volume), x).unwrap().density;
+        let from = |axis: usize| if axis < 3 - count { -3 } else { 0 };
+        let steps = (0..343).map(|n| [n % 7 - 3, n / 7 % 7 - 3, n / 49 - 3]);
+        let fluid: f64 = steps
+            .filter(|step| (0..3).all(|axis| step[axis] >= from(axis)))
+            .map(|step| 8.0 * kernel.value(2.0 * DVec3::from(step.map(f64::from)).length()))
+            .sum();
+        assert!((fluid + wall - 1.0).abs() < slack, "{count} walls: {fluid} + {wall}");
+    }
+}

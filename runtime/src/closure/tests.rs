@@ -12,13 +12,19 @@ fn kernel(kind: KernelKind) -> Kernel {
 
 /// What a map of the half space below z = 0 says at height d.
 fn wall(d: f64) -> (Boundary, DVec3) {
-    let volume = plane::volume(d / RADIUS)[0] * RADIUS.powi(3);
+    wall_for(ClosureKind::Paper, d)
+}
+
+/// The same, by the map that a closure takes.
+fn wall_for(kind: ClosureKind, d: f64) -> (Boundary, DVec3) {
+    let radius = kind.map_radius(RADIUS);
+    let volume = plane::volume(d / radius)[0] * radius.powi(3);
     let closest_point = DVec3::new(0.3, -0.2, 0.0);
     (Boundary { distance: d, normal: DVec3::Z, closest_point, volume }, closest_point + d * DVec3::Z)
 }
 
 fn at_wall(closure: &Closure, d: f64) -> BoundaryDensity {
-    let (boundary, position) = wall(d);
+    let (boundary, position) = wall_for(closure.kind(), d);
     closure.density(&boundary, position).unwrap()
 }
 
@@ -138,7 +144,7 @@ fn density_grows_inwards_and_pushes_out() {
             let mut last: Option<BoundaryDensity> = None;
             for n in 0..3000 {
                 let d = RADIUS * (1.0 - f64::from(n) * 0.001);
-                let (boundary, position) = wall(d);
+                let (boundary, position) = wall_for(closure.kind(), d);
                 let Some(at) = closure.density(&boundary, position) else { continue };
                 assert!(at.gradient.z <= 0.0, "{} {kind} at {d}", closure.kind());
                 if let Some(last) = last {
@@ -148,7 +154,7 @@ fn density_grows_inwards_and_pushes_out() {
                 }
                 last = Some(at);
             }
-            let deep = at_wall(&closure, -0.03);
+            let deep = at_wall(&closure, -0.02);
             assert!(deep.gradient.z < -1.0, "{} {kind}", closure.kind());
         }
     }
@@ -156,9 +162,9 @@ fn density_grows_inwards_and_pushes_out() {
 
 #[test]
 fn gradient_is_that_of_the_interpolated_density() {
-    let closure = Closure::new(ClosureKind::Calibrated, kernel(KernelKind::Spiky), PARTICLE);
+    let walls = Walls::new(ClosureKind::Calibrated, kernel(KernelKind::Spiky), PARTICLE);
     for d in distances(-1.9, 0.99) {
-        let at = |d: f64| closure.plane.at(d)[0];
+        let at = |d: f64| walls.plane.at(d)[0];
         let difference = (at(d + 1e-6)[0] - at(d - 1e-6)[0]) / 2e-6;
         assert!((at(d)[1] - difference).abs() < 1e-7, "at {d}");
     }
@@ -170,7 +176,7 @@ fn beyond_reach_there_is_nothing() {
         let closure = Closure::new(kind, kernel(KernelKind::CubicSpline), PARTICLE);
         let (boundary, position) = wall(RADIUS);
         assert_eq!(closure.density(&boundary, position), None);
-        let (boundary, position) = wall(0.02);
+        let (boundary, position) = wall_for(kind, 0.02);
         assert_eq!(closure.density(&Boundary { volume: 0.0, ..boundary }, position), None);
         assert_eq!(closure.density(&Boundary { distance: f64::NAN, ..boundary }, position), None);
         let samples = [Sample::Near(boundary), Sample::Outside, Sample::DeepInside];
@@ -242,17 +248,19 @@ fn fine_lattice_is_a_continuum() {
 /// Density as a function of place for any field of volumes, against the gradient that is returned.
 #[test]
 fn true_gradient_is_that_of_the_density() {
-    let (volume, normal) = (DVec3::new(0.002, -0.001, -0.009), DVec3::new(0.0, 0.6, 0.8));
+    let normal = DVec3::new(0.0, 0.6, 0.8);
     for closure in
         ClosureKind::ALL[2..].iter().map(|&it| Closure::new(it, kernel(KernelKind::WendlandC2), PARTICLE))
     {
+        let cubes = (closure.kind().map_radius(RADIUS) / RADIUS).powi(3);
+        let volume = cubes * DVec3::new(0.002, -0.001, -0.009);
         for (d, v) in [(0.012, 0.0017), (0.04, 0.0008), (0.07, 0.0006), (-0.01, 0.0018), (0.03, 0.0013)] {
             let at = |shift: DVec3| {
                 let boundary = Boundary {
                     distance: d + normal.dot(shift),
                     normal,
                     closest_point: DVec3::ZERO,
-                    volume: v + volume.dot(shift),
+                    volume: cubes * v + volume.dot(shift),
                 };
                 closure.density_with_gradient(&boundary, volume, shift).unwrap()
             };
@@ -267,4 +275,52 @@ fn true_gradient_is_that_of_the_density() {
             }
         }
     }
+}
+
+#[test]
+fn mirror_is_the_images_density_at_a_flat_wall() {
+    for kind in KernelKind::ALL {
+        for particle in [0.02, PARTICLE, 0.04] {
+            let closure = Closure::new(ClosureKind::Mirror, kernel(kind), particle);
+            let mirror = mirror::Mirror::new(kind, particle / RADIUS);
+            let map_radius = ClosureKind::Mirror.map_radius(RADIUS);
+            for d in distances(-0.12, 0.49) {
+                let (boundary, position) = wall_for(ClosureKind::Mirror, d * RADIUS);
+                let slope = plane::volume(d * RADIUS / map_radius)[1] * map_radius.powi(2);
+                let [value, exact] = mirror.density(d);
+                let slack = if d < 0.0 { [5e-4, 0.1] } else { [2e-5, 0.02] };
+                let full = closure.density_with_gradient(&boundary, slope * DVec3::Z, position);
+                let simple = closure.density(&boundary, position);
+                for at in [full, simple].map(|at| at.map_or([0.0; 2], |at| [at.density, at.gradient.z])) {
+                    assert!((at[0] - value).abs() < slack[0], "{kind} {particle} at {d}: {} {value}", at[0]);
+                    assert!(
+                        (at[1] * RADIUS - exact).abs() < slack[1],
+                        "{kind} at {d}: {} {exact}",
+                        at[1] * RADIUS
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// A lattice whose first layer is at rp: the image fills it up, and pushes it as much as the fluid does under equal
+/// pressures, which counts twice between particles and once from the wall.
+#[test]
+fn mirror_holds_the_first_layer_at_a_particle_radius() {
+    let spacing = 2.0 * PARTICLE;
+    let (mut density, mut slope) = (0.0, 0.0);
+    for (i, j, k) in (0..343).map(|n| (n % 7 - 3, n / 7 % 7 - 3, n / 49)) {
+        let away = spacing * DVec3::new(f64::from(i), f64::from(j), f64::from(k));
+        let distance = away.length();
+        let kernel = kernel(KernelKind::CubicSpline);
+        density += spacing.powi(3) * kernel.value(distance);
+        if distance > 0.0 {
+            slope -= spacing.powi(3) * kernel.derivative(distance) * away.z / distance;
+        }
+    }
+    let closure = Closure::new(ClosureKind::Mirror, kernel(KernelKind::CubicSpline), PARTICLE);
+    let at = at_wall(&closure, PARTICLE);
+    assert!((density + at.density - 1.0).abs() < 1e-3, "{density} {}", at.density);
+    assert!((2.0 * slope / -at.gradient.z - 1.0).abs() < 0.03, "{slope} {}", at.gradient.z);
 }

@@ -9,7 +9,7 @@ use volmap_baker::input::{self, Input, InputSettings};
 use volmap_baker::plan::{GridChoice, Settings};
 use volmap_formats::asset::{self, Compression, Exterior, FORMAT_VERSION};
 use volmap_formats::mesh::{self, Placement, TriangleMesh, UpAxis};
-use volmap_runtime::VolumeMap;
+use volmap_runtime::{ClosureKind, VolumeMap};
 
 /// Part by which a map's support radius may differ from the scene's: other programs store it in single
 /// precision.
@@ -39,7 +39,11 @@ pub enum Origin {
 
 /// Opens and bakes what a scene needs, each once.
 pub struct Library<'a> {
+    closure: ClosureKind,
+    /// That of the maps, metres.
     support_radius: f64,
+    /// Edge of their cells by default, metres.
+    cell_size: f64,
     cache: PathBuf,
     shapes: Vec<(String, Shape)>,
     /// What went wrong without harm.
@@ -57,9 +61,23 @@ pub fn default_cache() -> PathBuf {
 }
 
 impl<'a> Library<'a> {
-    /// Nothing opened yet. `on_bake` is called with the mesh before each bake, which may take seconds.
-    pub fn new(support_radius: f64, cache: PathBuf, on_bake: &'a mut dyn FnMut(&Path)) -> Library<'a> {
-        Library { support_radius, cache, shapes: Vec::new(), notes: Vec::new(), on_bake }
+    /// Nothing opened yet. The maps are those that a closure takes for a kernel's support radius (metres). `on_bake` is
+    /// called with the mesh before each bake, which may take seconds.
+    pub fn new(
+        closure: ClosureKind,
+        support_radius: f64,
+        cache: PathBuf,
+        on_bake: &'a mut dyn FnMut(&Path),
+    ) -> Library<'a> {
+        Library {
+            closure,
+            support_radius: closure.map_radius(support_radius),
+            cell_size: cell_size(closure, support_radius),
+            cache,
+            shapes: Vec::new(),
+            notes: Vec::new(),
+            on_bake,
+        }
     }
 
     /// The map of a source; `key` is the scene's name for it, as `bodies[0]`. The same source gives the same
@@ -88,7 +106,7 @@ impl<'a> Library<'a> {
         Ok(shape)
     }
 
-    /// The same for a body: its map must have the scene's support radius.
+    /// The same for a body: its map must have the support radius that the closure takes.
     ///
     /// # Errors
     /// As [`Library::obtain`], and a map of another radius.
@@ -102,14 +120,15 @@ impl<'a> Library<'a> {
         let file = source.path().display();
         let invert = if shape.map.exterior() == Exterior::Solid { " --invert" } else { "" };
         let reason = format!(
-            "{file} was baked for a support radius of {has} m, but the scene's is {needs} m; bake its mesh again: \
-             volmap bake MESH -o {file} --support-radius {needs}{invert}, or name the mesh in the scene instead"
+            "{file} was baked for a support radius of {has} m, but closure `{}` takes one of {needs} m here; bake its mesh \
+             again: volmap bake MESH -o {file} --support-radius {needs}{invert}, or name the mesh in the scene instead",
+            self.closure
         );
         Err(Error::Scene { place: format!("{key}.map"), reason })
     }
 
     fn note_coarse_cells(&mut self, path: &Path, map: &VolumeMap) {
-        let (cell, most) = (map.grid().cell_size.max_element(), COARSE * self.support_radius);
+        let (cell, most) = (map.grid().cell_size.max_element(), COARSE * self.cell_size);
         if map.exterior() == Exterior::Solid && cell > most {
             self.notes.push(format!(
                 "{}: cells of {cell} m are coarse for a container: where walls meet, particles find them up to {:.3} m too \
@@ -161,7 +180,7 @@ impl<'a> Library<'a> {
         let grid = match (settings.resolution, settings.cell_size) {
             (Some(cells), _) => GridChoice::Resolution(cells.0),
             (None, Some(edge)) => GridChoice::CellSize(edge),
-            (None, None) => GridChoice::CellSize(CELLS_PER_RADIUS.recip() * self.support_radius),
+            (None, None) => GridChoice::CellSize(self.cell_size),
         };
         let map = Settings {
             support_radius: Some(self.support_radius),
@@ -174,11 +193,16 @@ impl<'a> Library<'a> {
     }
 }
 
-/// Cells of a map in a support radius by default: twice as many as the baker's. Where two walls meet, the map's distance
-/// is too small by up to a quarter of a cell, and what particles touch at rest must be better known than that.
-const CELLS_PER_RADIUS: f64 = 4.0;
-/// Coarser containers are worth a note.
-const COARSE: f64 = 0.3;
+/// Edge of the cells of the maps that a closure takes for a kernel's support radius, metres. Where two walls meet, the
+/// map's distance is too small by up to a quarter of a cell, and closures that go by it need cells half as large as the
+/// baker's; `mirror` goes by the volume.
+pub fn cell_size(closure: ClosureKind, support_radius: f64) -> f64 {
+    let cells_per_radius = if closure == ClosureKind::Mirror { 2.0 } else { 4.0 };
+    closure.map_radius(support_radius) / cells_per_radius
+}
+
+/// Containers with cells so many times larger are worth a note.
+const COARSE: f64 = 1.2;
 
 /// Errors of settings don't say which mesh they are about.
 fn cannot_bake(path: &Path, error: volmap_baker::Error) -> Error {

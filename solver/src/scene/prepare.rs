@@ -59,7 +59,7 @@ impl PreparedBody {
 pub fn prepare(scene: &Scene, on_bake: &mut dyn FnMut(&Path)) -> Result<Prepared, Error> {
     scene.validate()?;
     let cache = scene.cache.clone().unwrap_or_else(default_cache);
-    let mut library = Library::new(scene.support_radius(), cache, on_bake);
+    let mut library = Library::new(scene.closure.into(), scene.support_radius(), cache, on_bake);
     let mut bodies = Vec::new();
     for (i, (settings, name)) in scene.bodies.iter().zip(body::names(&scene.bodies)).enumerate() {
         let key = format!("bodies[{i}]");

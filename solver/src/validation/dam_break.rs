@@ -1,9 +1,9 @@
 //! A column of water collapses: Martin and Moyce 1952, *An Experimental Study of the Collapse of Liquid Columns on a
 //! Rigid Horizontal Plane*, Phil. Trans. R. Soc. A 244, 312-324; columns of width a and height n^2 a.
 
-use super::flow::{GRAVITY, bake, lattice, water};
+use super::flow::{GRAVITY, lattice, water};
 use super::observe::{percentile, until};
-use super::shapes::cuboid;
+use super::shapes::{baked, cuboid};
 use super::{Experiment, Outcome, Row, Run, chart, curve};
 use crate::bodies::Motion;
 use crate::error::Error;
@@ -114,7 +114,7 @@ fn collapse(across: u32, end: f64) -> Result<Measured, Error> {
     let depth = 10.0 * 2.0 * radius;
     let tank = |width: f64| {
         let mesh = cuboid(DVec3::ZERO, DVec3::new(width, 1.4 * ASPECT * WIDTH, depth));
-        Ok::<_, Error>(bake(mesh, 4.0 * radius, true)?.body("tank", DVec3::ZERO, Motion::Static))
+        Ok::<_, Error>(baked(mesh, 4.0 * radius, true)?.body("tank", DVec3::ZERO, Motion::Static))
     };
     let places = lattice(DVec3::ZERO, DVec3::new(WIDTH, ASPECT * WIDTH, depth), radius);
     // The lattice isn't quite at rest where walls meet.

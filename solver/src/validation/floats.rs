@@ -1,9 +1,9 @@
 //! Balls, boxes and a duck in water: Archimedes. A floating body displaces its weight of water; one that is held under
 //! water is pushed up by the weight of what it displaces.
 
-use super::flow::{GRAVITY, bake, lattice, volume_below, water};
+use super::flow::{GRAVITY, lattice, volume_below, water};
 use super::observe::{line, until};
-use super::shapes::{Shape, baked_finely, ball, cuboid};
+use super::shapes::{Shape, baked, ball, cuboid};
 use super::{Experiment, Outcome, Row, Run, chart, curve};
 use crate::bodies::{BodyDescription, FreeBody, Motion, Weight};
 use crate::error::Error;
@@ -29,19 +29,14 @@ const RHO: f64 = 1000.0;
 fn run(run: &Run) -> Result<Outcome, Error> {
     let mut outcome = Outcome::default();
     let support = 4.0 * RP;
-    let tank = Tank { shape: bake(hollow(), support, true)? };
-    let ball = bake(ball(0.16, 5), support, false)?;
-    let cells = |part: f64| baked_finely(cube(), support, part * support, false);
-    let fine = cells(0.25)?;
-    let all: [(&str, &Shape); 2] = [("ball", &ball), ("box", &fine)];
+    let tank = Tank { shape: baked(hollow(), support, true)? };
+    let ball = baked(ball(0.16, 5), support, false)?;
+    let cube = baked(cube(), support, false)?;
+    let all: [(&str, &Shape); 2] = [("ball", &ball), ("box", &cube)];
     let held = &all[..run.pick(1, 2)];
     for (name, shape) in held {
         (run.progress)(&format!("floats: {name} held under water"));
         held_under_water(run, &mut outcome, &tank, (name, shape))?;
-    }
-    if !run.short {
-        held_under_water(run, &mut outcome, &tank, ("box, cells of r/2", &cells(0.5)?))?;
-        held_under_water(run, &mut outcome, &tank, ("box, cells of r/8", &cells(0.125)?))?;
     }
     let mut curves = Vec::new();
     let densities: &[f64] = run.pick(&[500.0], &[100.0, 250.0, 500.0, 750.0]);

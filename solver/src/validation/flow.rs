@@ -6,7 +6,6 @@ use crate::particles::Particles;
 use crate::scene::{Region, lattice::fill_box};
 use crate::settings::{FluidSettings, SolverSettings, World};
 use crate::simulation::{Setup, Simulation};
-use crate::validation::shapes::{Shape, baked_finely};
 use volmap_formats::mesh::TriangleMesh;
 use volmap_runtime::{DVec3, Pose};
 
@@ -17,16 +16,6 @@ pub const GRAVITY: f64 = 9.81;
 pub fn lattice(min: DVec3, max: DVec3, particle_radius: f64) -> Vec<DVec3> {
     let region = Region { min: min.to_array(), max: max.to_array() };
     fill_box(&region, 2.0 * particle_radius).collect()
-}
-
-/// A mesh baked with cells of a quarter of the support radius (metres). With cells of half of it, a box's edges lie within
-/// cells, where the distance's kink is smoothed: particles in a tank's edges then see a density of up to 1.37 instead of 0.96
-/// to 1, and the fluid bursts in the first step.
-///
-/// # Errors
-/// As [`volmap_baker::bake::bake`].
-pub fn bake(mesh: TriangleMesh, support_radius: f64, container: bool) -> Result<Shape, Error> {
-    baked_finely(mesh, support_radius, 0.25 * support_radius, container)
 }
 
 /// Water of a viscosity (m^2/s) at rest in these places, of particles whose support is 4 rp, under gravity.

@@ -1,9 +1,9 @@
 //! Thin walls hold: water poured on a grid of bars (Fig. 13 of Bender et al. 2020) goes through its holes and not
 //! through its bars, and a plate a quarter as thick as the support radius holds a column of water.
 
-use super::flow::{bake, lattice, water};
+use super::flow::{lattice, water};
 use super::observe::until;
-use super::shapes::{Shape, baked_finely, cuboid};
+use super::shapes::{Shape, baked, cuboid};
 use super::{Experiment, Outcome, Row, Run};
 use crate::bodies::Motion;
 use crate::error::Error;
@@ -133,8 +133,9 @@ impl Leaks {
 
 /// A block of water falls on the grid.
 fn pour(run: &Run, outcome: &mut Outcome, radius: f64) -> Result<(), Error> {
-    let grid = baked_finely(bars(5), 4.0 * radius, (2.0 * radius).min(0.25 * BAR), false)?;
-    let tank = bake(cuboid(DVec3::new(-0.35, -0.4, -0.35), DVec3::new(0.35, 0.6, 0.35)), 4.0 * radius, true)?;
+    let grid = baked(bars(5), 4.0 * radius, false)?;
+    let tank =
+        baked(cuboid(DVec3::new(-0.35, -0.4, -0.35), DVec3::new(0.35, 0.6, 0.35)), 4.0 * radius, true)?;
     let places = lattice(DVec3::new(-0.2, 0.05, -0.2), DVec3::new(0.2, run.pick(0.25, 0.45), 0.2), radius);
     let bodies =
         vec![grid.body("grid", DVec3::ZERO, Motion::Static), tank.body("tank", DVec3::ZERO, Motion::Static)];
@@ -158,8 +159,8 @@ fn hold(run: &Run, outcome: &mut Outcome) -> Result<(), Error> {
     let (half, low) = (0.25, 0.3);
     let thickness = 0.25 * support;
     let plate = cuboid(DVec3::new(-0.4, -0.5 * thickness, -0.4), DVec3::new(0.4, 0.5 * thickness, 0.4));
-    let plate: Shape = baked_finely(plate, support, support / 8.0, false)?;
-    let tank = bake(cuboid(DVec3::new(-half, -low, -half), DVec3::new(half, 0.8, half)), support, true)?;
+    let plate: Shape = baked(plate, support, false)?;
+    let tank = baked(cuboid(DVec3::new(-half, -low, -half), DVec3::new(half, 0.8, half)), support, true)?;
     let places = lattice(DVec3::new(-half, 0.5 * thickness, -half), DVec3::new(half, 0.5, half), radius);
     let bodies = vec![
         plate.body("plate", DVec3::ZERO, Motion::Static),

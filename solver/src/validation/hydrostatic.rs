@@ -6,7 +6,7 @@
 
 mod column;
 
-use super::shapes::{Shape, baked, cuboid};
+use super::shapes::{Shape, baked_for, cuboid};
 use super::{Experiment, Outcome, Row, Run, chart, curve};
 use crate::error::Error;
 use crate::scene::Region;
@@ -36,13 +36,11 @@ struct Case {
 }
 
 fn run(run: &Run) -> Result<Outcome, Error> {
-    let (coarse, fine) = (tank(RADIUS)?, if run.short { None } else { Some(tank(0.5 * RADIUS)?) });
     let mut outcome = Outcome::default();
     let mut done = Vec::new();
     for case in cases(run) {
         (run.progress)(&format!("hydrostatic: {}, {} s", case.name, case.column.end));
-        let tank = fine.as_ref().filter(|_| case.column.radius < RADIUS).unwrap_or(&coarse);
-        match case.column.settle(tank) {
+        match case.column.settle(&tank(&case.column)?) {
             Ok(rest) => {
                 outcome.rows.extend(rows(&case, &rest));
                 done.push((case, rest));
@@ -59,10 +57,11 @@ fn run(run: &Run) -> Result<Outcome, Error> {
     Ok(outcome)
 }
 
-/// A tank of 1 x 1.2 x 1 m.
-fn tank(radius: f64) -> Result<Shape, Error> {
+/// A tank of 1 x 1.2 x 1 m, as the column's closure needs it.
+fn tank(column: &Column) -> Result<Shape, Error> {
     let size = DVec3::new(HALF_WIDTH, 1.2, HALF_WIDTH);
-    baked(cuboid(DVec3::new(-size.x, 0.0, -size.z), size), 4.0 * radius, true)
+    let hollow = cuboid(DVec3::new(-size.x, 0.0, -size.z), size);
+    baked_for(column.closure, hollow, 4.0 * column.radius, true)
 }
 
 /// The tank filled from wall to wall, and the block that SPlisHSPlasH makes of [-0.45, 0.05, -0.45] to [0.45, 0.6, 0.45],

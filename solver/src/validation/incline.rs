@@ -1,9 +1,9 @@
 //! Single particles slide down a plane: Bender et al. 2020, *Implicit Frictional Boundary Handling for SPH*, Fig. 7. On
 //! boundaries made of particles they are bumped to the sides; on a smooth one they go straight, with g sin(slope).
 
-use super::flow::{GRAVITY, bake, water};
+use super::flow::{GRAVITY, water};
 use super::observe::until;
-use super::shapes::{Shape, cuboid};
+use super::shapes::{Shape, baked, cuboid};
 use super::{Experiment, Outcome, Row, Run, chart, curve};
 use crate::bodies::{BodyDescription, Motion};
 use crate::error::Error;
@@ -25,7 +25,7 @@ const SIDE: i32 = 8;
 
 fn run(run: &Run) -> Result<Outcome, Error> {
     let mut outcome = Outcome::default();
-    let plane = bake(cuboid(DVec3::new(-3.5, -0.3, -1.5), DVec3::new(3.5, 0.0, 1.5)), 4.0 * RP, false)?;
+    let plane = baked(cuboid(DVec3::new(-3.5, -0.3, -1.5), DVec3::new(3.5, 0.0, 1.5)), 4.0 * RP, false)?;
     let mut curves = Vec::new();
     for (&degrees, colour) in run.pick(&[30.0][..], &[15.0, 30.0, 45.0]).iter().zip(DISTINCT) {
         (run.progress)(&format!("incline: {degrees} degrees"));

@@ -2,13 +2,14 @@
 
 use crate::bodies::{BodyDescription, ContactMaterial, Motion};
 use crate::error::Error;
+use crate::scene::map::cell_size;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use volmap_baker::bake::{BakeSettings, bake};
 use volmap_baker::input::{Input, Source};
 use volmap_baker::plan::{GridChoice, Settings};
 use volmap_formats::mesh::{CleanReport, Placement, TriangleMesh};
-use volmap_runtime::{DVec3, Pose, VolumeMap};
+use volmap_runtime::{ClosureKind, DVec3, Pose, VolumeMap};
 
 /// A mesh and its map.
 #[derive(Clone, Debug)]
@@ -19,15 +20,30 @@ pub struct Shape {
     pub map: Arc<VolumeMap>,
 }
 
-/// A mesh baked for a support radius (metres), with cells of half of it; of a container the solid is outside.
+/// A mesh baked for the default closure and a kernel's support radius (metres), as scenes do; of a container the solid is
+/// outside.
 ///
 /// # Errors
 /// As [`bake`].
 pub fn baked(mesh: TriangleMesh, support_radius: f64, container: bool) -> Result<Shape, Error> {
-    baked_finely(mesh, support_radius, 0.5 * support_radius, container)
+    baked_for(ClosureKind::Mirror, mesh, support_radius, container)
 }
 
-/// The same with cells of another size, metres.
+/// The same for another closure.
+///
+/// # Errors
+/// As [`bake`].
+pub fn baked_for(
+    closure: ClosureKind,
+    mesh: TriangleMesh,
+    support_radius: f64,
+    container: bool,
+) -> Result<Shape, Error> {
+    let (radius, cell_size) = (closure.map_radius(support_radius), cell_size(closure, support_radius));
+    baked_finely(mesh, radius, cell_size, container)
+}
+
+/// The same with cells of another size, metres, for the map's own support radius.
 ///
 /// # Errors
 /// As [`bake`].

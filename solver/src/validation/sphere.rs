@@ -3,7 +3,7 @@
 
 use super::flow::{GRAVITY, lattice, water};
 use super::observe::{momenta, rms_speed, until};
-use super::shapes::{Shape, baked_finely, ball};
+use super::shapes::{Shape, baked, ball};
 use super::{Experiment, Outcome, Row, Run, chart, curve};
 use crate::bodies::{Motion, Path, Spin};
 use crate::error::Error;
@@ -37,7 +37,7 @@ struct Calm {
 fn run(run: &Run) -> Result<Outcome, Error> {
     let mut outcome = Outcome::default();
     let radius = run.pick(0.025, 0.0125);
-    let hollow = baked_finely(ball(RADIUS, 6), 4.0 * radius, 2.0 * radius, true)?;
+    let hollow = baked(ball(RADIUS, 6), 4.0 * radius, true)?;
     let level = Spin { axis: DVec3::X, centre: DVec3::ZERO, speed: SPEED * PI / 30.0 };
     let spins = [
         ("at rest", None),

@@ -1,0 +1,107 @@
+//! The density of the fluid's mirror image as a function of the boundary's volume.
+//!
+//! The image's density R_mirror ([`mirror`](super::mirror)) ends at half of the kernel's support radius r. So does the
+//! volume V of a map of support radius r / 4, whose extension (Eq. 13 of Bender et al. 2020) reaches as far again as its
+//! ball; and at a flat wall one is nearly in proportion to the other:
+//! ```text
+//! R_mirror(d) = F(V_plane(d)),   rho_B = rho_0 F(V),   grad rho_B = rho_0 F'(V) grad V
+//! ```
+//! V is a sum over the solid, and so F(V) is, nearly, the image's density wherever walls meet as well: at r = 4 rp the
+//! particle next to a concave edge gets 0.26 (0.28 to fill up a lattice), that in a corner 0.36 (0.39). And V is smooth where
+//! the distance isn't: at the ridge of a concave edge the closest point jumps, and along it a fluid shivers whose density
+//! follows the distance. Distance and normal don't matter here.
+
+use super::mirror::Mirror;
+use super::table::Table;
+use super::{BoundaryDensity, plane};
+use crate::kernel::Kernel;
+use crate::query::Boundary;
+use glam::DVec3;
+
+/// The kernel's support radius over the maps'.
+pub(crate) const MAPS_PER_RADIUS: f64 = 4.0;
+
+/// Intervals of the table.
+const INTERVALS: usize = 192;
+
+/// Distances in the map's support radius: there the volume ends; here the ball is full of solid.
+const FARTHEST: f64 = 2.0;
+const DEEPEST: f64 = -1.0;
+
+/// F.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Image {
+    /// 1 / (support radius of the map)^3, and 1 / it.
+    per_volume: f64,
+    per_radius: f64,
+    /// Over u, the fourth root of V: F, and the slope of R_mirror over the distance. Both end as powers, u is where they are
+    /// smooth.
+    table: Table<2>,
+}
+
+impl Image {
+    /// For particles of a radius in metres.
+    pub fn new(kernel: Kernel, particle_radius: f64) -> Image {
+        let map_radius = kernel.support_radius() / MAPS_PER_RADIUS;
+        let mirror = Mirror::new(kernel.kind(), particle_radius / kernel.support_radius());
+        let high = plane::volume(DEEPEST)[0].sqrt().sqrt();
+        let step = high / INTERVALS as f64;
+        let nodes = nodes(&mirror, step);
+        let node = |u: f64| {
+            let n = (u / step).round() as usize;
+            let [value, slope, along] = nodes[n];
+            let (below, above) = (nodes[n.saturating_sub(1)], nodes[(n + 1).min(INTERVALS)]);
+            // Where the ball is nearly full F grows without limit over u: it must not overshoot (Fritsch and Carlson 1980).
+            let least_rise = (value - below[0]).min(above[0] - value).max(0.0);
+            let most = if n == 0 { 0.0 } else { 3.0 * least_rise / step };
+            [[value, slope.min(most)], [along, (above[2] - below[2]) / (2.0 * step)]]
+        };
+        Image {
+            per_volume: map_radius.powi(-3),
+            per_radius: 1.0 / map_radius,
+            table: Table::new(0.0, high, INTERVALS, node),
+        }
+    }
+
+    /// Density and gradient; without that of the volume (m^2) as at a flat wall, along the normal. `None` where there is no
+    /// volume.
+    #[inline]
+    pub fn density(&self, boundary: &Boundary, volume_gradient: Option<DVec3>) -> Option<BoundaryDensity> {
+        let root = (boundary.volume * self.per_volume).sqrt().sqrt();
+        let [[density, slope], [along, _]] = self.table.at(root);
+        let gradient = match volume_gradient {
+            Some(of_volume) => slope / (4.0 * root * root * root) * self.per_volume * of_volume,
+            None => along.min(0.0) * self.per_radius * boundary.normal,
+        };
+        (root > SMALLEST).then_some(BoundaryDensity { density, gradient, point: boundary.closest_point })
+    }
+}
+
+/// F, dF/du and the slope of R_mirror over the distance (in the map's support radius) at equal steps of u.
+fn nodes(mirror: &Mirror, step: f64) -> Vec<[f64; 3]> {
+    let mut distance = FARTHEST;
+    let mut nodes = vec![[0.0; 3]];
+    for n in 1..=INTERVALS {
+        let root = step * n as f64;
+        distance = distance_of(root.powi(4), distance);
+        let [value, slope] = mirror.density(distance / MAPS_PER_RADIUS);
+        let along = slope / MAPS_PER_RADIUS;
+        // dF/du = R' / V' dV/du; V' vanishes where the ball is full.
+        let slope = along / plane::volume(distance)[1].min(-f64::MIN_POSITIVE) * 4.0 * root.powi(3);
+        nodes.push([value, slope, along]);
+    }
+    nodes
+}
+
+/// u below which the density is less than 1e-9: what is left there is the map's rounding.
+const SMALLEST: f64 = 2e-3;
+
+/// Where a flat wall has this volume, below `high`: bisection. Lengths in the map's support radius.
+fn distance_of(volume: f64, mut high: f64) -> f64 {
+    let mut low = DEEPEST;
+    for _ in 0..48 {
+        let middle = 0.5 * (low + high);
+        if plane::volume(middle)[0] > volume { low = middle } else { high = middle }
+    }
+    0.5 * (low + high)
+}
