@@ -197,7 +197,7 @@ impl<'a> Library<'a> {
 /// map's distance is too small by up to a quarter of a cell, and closures that go by it need cells half as large as the
 /// baker's; `mirror` goes by the volume.
 pub fn cell_size(closure: ClosureKind, support_radius: f64) -> f64 {
-    let cells_per_radius = if closure == ClosureKind::Mirror { 2.0 } else { 4.0 };
+    let cells_per_radius = if closure == ClosureKind::Mirror { 1.5 } else { 4.0 };
     closure.map_radius(support_radius) / cells_per_radius
 }
 
