@@ -1,6 +1,6 @@
 //! Bodies of the experiments: meshes made in memory and baked.
 
-use crate::bodies::{BodyDescription, ContactMaterial, Motion};
+use crate::bodies::{BodyDescription, ContactMaterial, FluidContact, Motion};
 use crate::error::Error;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -99,6 +99,7 @@ impl Shape {
             pose: Pose { translation: at, ..Pose::default() },
             motion,
             material: ContactMaterial::default(),
+            fluid_contact: FluidContact::default(),
         }
     }
 }
