@@ -3,7 +3,7 @@
 //!
 //! Unknown are the velocities v at the end of the step; v0 are those before it, with gravity:
 //! ```text
-//! v_i - dt nu (Laplacian v)_i + dt sum B (v_i - v_B) = v0_i      (Weiler et al., the system of section 3.2)
+//! v_i - dt nu (Laplacian v)_i + dt sum B (v_i - v_B) = v0_i      (Weiler et al.)
 //! ```
 //! the Laplacian as in Eq. 16 of Bender et al. 2020. Particles have one mass and one volume, so the matrix is symmetric; its
 //! eigenvalues are 1 or more. Conjugate gradients without a matrix, in single precision with products in double precision; the
