@@ -57,7 +57,7 @@ impl Drag {
         let weight =
             -kernel.derivative(distance) / distance / (distance * distance + SMALL * radius * radius);
         let scale = FACTOR * boundary.volume * weight;
-        (scale > 0.0).then(|| Drag {
+        (scale > 0.0).then_some(Drag {
             particle,
             body,
             point,
