@@ -40,6 +40,10 @@ fn description(body: &PreparedBody) -> BodyDescription {
         pose: if keyed { Pose::default() } else { body.pose },
         motion: motion(&body.settings.motion, body.pose),
         material: bodies::ContactMaterial { friction: material.friction, restitution: material.restitution },
+        fluid_contact: bodies::FluidContact {
+            viscosity: material.fluid_viscosity,
+            friction: material.fluid_friction,
+        },
     }
 }
 

@@ -19,7 +19,7 @@ mod snapshot;
 mod spin;
 mod world;
 
-pub use description::{BodyDescription, ContactMaterial, FreeBody, Motion, Weight};
+pub use description::{BodyDescription, ContactMaterial, FluidContact, FreeBody, Motion, Weight};
 pub use mass::Mass;
 pub use path::{Interpolation, Key, Keys, Moving, Path, Spin};
 
@@ -45,6 +45,7 @@ struct Body {
     name: String,
     start: Pose,
     motion: Motion,
+    fluid_contact: FluidContact,
     /// Of free bodies.
     mass: Option<Mass>,
     handle: RigidBodyHandle,
@@ -108,7 +109,8 @@ impl Bodies {
             };
             let handle = world.add(&body, pose, mass.as_ref(), shape);
             posed.push(PosedMap { map: body.map, pose });
-            bodies.push(Body { name: body.name, start, motion: body.motion, mass, handle });
+            let BodyDescription { name, motion, fluid_contact, .. } = body;
+            bodies.push(Body { name, start, motion, fluid_contact, mass, handle });
         }
         let rest = Velocity { at: DVec3::ZERO, linear: DVec3::ZERO, angular: DVec3::ZERO };
         let count = bodies.len();
@@ -132,6 +134,11 @@ impl Bodies {
     /// A body's name.
     pub fn name(&self, body: usize) -> &str {
         &self.bodies[body].name
+    }
+
+    /// How a body's surface feels to the fluid.
+    pub fn fluid_contact(&self, body: usize) -> FluidContact {
+        self.bodies[body].fluid_contact
     }
 
     /// Whether forces move a body.
@@ -170,8 +177,9 @@ impl Bodies {
         };
         let unlocked =
             |locked: [bool; 3]| DVec3::from_array(locked.map(|locked| if locked { 0.0 } else { 1.0 }));
-        let angular = mass.angular_velocity(self.posed[body].pose.rotation, torque);
-        [force / mass.mass * unlocked(free.locked_translation), angular * unlocked(free.locked_rotation)]
+        let turning = unlocked(free.locked_rotation);
+        let angular = mass.angular_velocity(self.posed[body].pose.rotation, torque * turning);
+        [force / mass.mass * unlocked(free.locked_translation), angular * turning]
     }
 
     /// The same by gravity and all that was applied since the last step.

@@ -4,6 +4,7 @@
 
 use crate::bodies::Bodies;
 use crate::neighbours::CHUNK;
+use crate::viscosity::drag::Drag;
 use rayon::prelude::*;
 use volmap_runtime::{Closure, DVec3, PosedMap, Sample};
 
@@ -59,6 +60,7 @@ pub struct Boundary {
 struct ChunkContacts {
     contacts: Vec<Contact>,
     inside: Vec<Inside>,
+    drags: Vec<Drag>,
     samples: Vec<(Sample, DVec3)>,
 }
 
@@ -72,6 +74,7 @@ impl Boundary {
         chunks.zip(positions.par_chunks(CHUNK)).enumerate().for_each(|(chunk, ((out, walls), positions))| {
             out.contacts.clear();
             out.inside.clear();
+            out.drags.clear();
             for body in 0..bodies.posed().len() {
                 out.touch(bodies, body, closure, (chunk * CHUNK, positions));
             }
@@ -84,6 +87,16 @@ impl Boundary {
     /// All contacts, in the order of the particles' chunks.
     pub fn contacts(&self) -> impl Iterator<Item = &Contact> {
         self.chunks.iter().flat_map(|chunk| &chunk.contacts)
+    }
+
+    /// Drag of all bodies whose surfaces have one, in the order of the particles' chunks.
+    pub fn drags(&self) -> impl Iterator<Item = &Drag> {
+        self.chunks.iter().flat_map(|chunk| &chunk.drags)
+    }
+
+    /// The same of the particles of one chunk.
+    pub fn drags_of_chunk(&self, chunk: usize) -> &[Drag] {
+        &self.chunks[chunk].drags
     }
 
     /// Largest speed of a body at a contact, m/s.
@@ -117,6 +130,8 @@ impl ChunkContacts {
             if near.distance < 0.0 {
                 self.inside.push(inside(Some(-near.distance * near.normal)));
             }
+            let of = [particle, body as u32];
+            self.drags.extend(Drag::new(of, position, near, bodies.fluid_contact(body), closure.kernel()));
             let distance = |point| map.values(point).distance;
             if let Some(density) = closure.density_probing(near, Some(*volume_gradient), position, distance) {
                 self.contacts.push(Contact {

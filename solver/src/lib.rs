@@ -29,5 +29,6 @@ pub mod stages;
 mod strays;
 pub mod time_step;
 pub mod validation;
+pub mod viscosity;
 
 pub use error::Error;

@@ -1,4 +1,4 @@
-//! Forces other than pressure: gravity and explicit viscosity (Monaghan 2005; Eq. 16 of Bender et al. 2020), XSPH
+//! Forces other than pressure that aren't solved for: gravity, explicit viscosity (Monaghan 2005; Eq. 16 of Bender et al. 2020), XSPH
 //! (Schechter and Bridson 2012).
 
 use crate::fields::{Discretization, Fields};
@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use volmap_runtime::DVec3;
 
 impl Fields {
-    /// Writes the accelerations by gravity (m/s^2) and viscosity, for a step of `dt` seconds.
+    /// Writes the accelerations by gravity (m/s^2), explicit viscosity and XSPH, for a step of `dt` seconds.
     pub fn compute_non_pressure(
         &mut self,
         with: Discretization,
@@ -19,11 +19,12 @@ impl Fields {
         let gravity = gravity.as_vec3().to_array();
         let [x, y, z] = gravity;
         let count = self.len();
-        if fluid.viscosity == 0.0 && fluid.xsph == 0.0 {
+        let [viscosity, _] = fluid.viscosities();
+        if viscosity == 0.0 && fluid.xsph == 0.0 {
             self.accelerations[..count].fill([x, y, z, 0.0]);
             return;
         }
-        let (nu, xsph) = (fluid.viscosity as f32, (fluid.xsph / dt) as f32);
+        let (nu, xsph) = (viscosity as f32, (fluid.xsph / dt) as f32);
         let (pairs, velocities) = (with.pairs(&self.places), &self.velocities);
         let chunks = self.accelerations.par_chunks_mut(CHUNK).zip(neighbours.chunks());
         chunks.for_each(|(out, lists)| {

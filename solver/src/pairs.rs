@@ -1,4 +1,5 @@
-//! Sums over neighbours, eight pairs at a time: density, flux of a vector field, acceleration by pressure, viscosity.
+//! Sums over neighbours, eight pairs at a time: density, flux of a vector field, acceleration by pressure, viscosity and
+//! the Laplacian.
 //!
 //! Places are in support radii from an origin near the fluid, so that single precision is enough; the sums come out
 //! in metres. Particles have one volume V. D is the relative density, rho / rho_0.
@@ -10,6 +11,7 @@ mod density;
 mod flux;
 mod kernels;
 pub(crate) mod lanes;
+mod laplacian;
 mod viscosity;
 
 use crate::fields::Discretization;
@@ -19,6 +21,7 @@ use lanes::{Group, Lanes, Quad, Work, dispatch};
 use volmap_runtime::KernelKind;
 
 pub use density::Density;
+pub use laplacian::Symmetric;
 
 /// What all sums share.
 #[derive(Clone, Copy, Debug)]
@@ -54,6 +57,16 @@ impl Pairs<'_> {
         self.run(viscosity::Work { pairs: *self, lists, velocities, out });
     }
 
+    /// The Laplacian alone, of any field.
+    pub fn laplacian(&self, lists: &Lists, field: &[Quad], out: &mut [[f32; 3]]) {
+        self.run(laplacian::Work { pairs: *self, lists, field, out });
+    }
+
+    /// The matrices by which the particles' own values enter their own Laplacians, 1/m^2; none has a positive eigenvalue.
+    pub fn laplacian_own_part(&self, lists: &Lists, out: &mut [Symmetric]) {
+        self.run(laplacian::OwnPart { pairs: *self, lists, out });
+    }
+
     /// V NORM / r^3: what the sum of w becomes a density by.
     fn density_scale<K: KernelLanes>(&self) -> f32 {
         (self.with.volume * f64::from(K::NORM) / self.with.support_radius.powi(3)) as f32
@@ -63,6 +76,12 @@ impl Pairs<'_> {
     fn gradient_scale<K: KernelLanes>(&self) -> f32 {
         (self.with.volume * f64::from(K::NORM) * f64::from(K::SLOPE) / self.with.support_radius.powi(4))
             as f32
+    }
+
+    /// The same times 2 (d + 2) / r: what the sum of slope (u . x) x / (x . x) becomes a Laplacian by; x . x and x are in
+    /// support radii, of which one is left over.
+    fn laplacian_scale<K: KernelLanes>(&self) -> f32 {
+        viscosity::FACTOR * self.gradient_scale::<K>() / self.with.support_radius as f32
     }
 
     fn run(&self, work: impl KernelWork) {

@@ -14,6 +14,8 @@ pub struct Particles {
     pub pressures: Vec<f32>,
     /// The same of the divergence solve.
     pub divergence_pressures: Vec<f32>,
+    /// Changes of the velocities by implicit viscosity and the drag of bodies in the last step, m/s: where the next solve begins.
+    pub viscous_changes: Vec<[f32; 3]>,
     /// Names of the particles: the order in which they came.
     pub ids: Vec<u32>,
     /// The next name.
@@ -38,6 +40,7 @@ impl Particles {
         self.velocities.extend_from_slice(velocities);
         self.pressures.resize(count, 0.0);
         self.divergence_pressures.resize(count, 0.0);
+        self.viscous_changes.resize(count, [0.0; 3]);
         self.ids.extend((0..positions.len() as u32).map(|i| self.next_id + i));
         self.next_id += positions.len() as u32;
     }
@@ -45,14 +48,19 @@ impl Particles {
     /// Whether all lists have one length.
     pub fn is_even(&self) -> bool {
         let count = self.len();
-        let others =
-            [self.velocities.len(), self.pressures.len(), self.divergence_pressures.len(), self.ids.len()];
+        let others = [
+            self.velocities.len(),
+            self.pressures.len(),
+            self.divergence_pressures.len(),
+            self.viscous_changes.len(),
+            self.ids.len(),
+        ];
         others.iter().all(|&other| other == count)
     }
 
     /// Bytes held.
     pub fn memory_bytes(&self) -> usize {
-        self.positions.capacity() * (size_of::<DVec3>() + size_of::<[f32; 3]>() + 3 * size_of::<f32>())
+        self.positions.capacity() * (size_of::<DVec3>() + 2 * size_of::<[f32; 3]>() + 3 * size_of::<f32>())
     }
 
     /// Puts the particles into a new order, which may leave some out: old indices.
@@ -61,6 +69,7 @@ impl Particles {
         reorder(&mut self.velocities, order);
         reorder(&mut self.pressures, order);
         reorder(&mut self.divergence_pressures, order);
+        reorder(&mut self.viscous_changes, order);
         reorder(&mut self.ids, order);
     }
 }

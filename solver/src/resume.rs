@@ -25,6 +25,7 @@ pub fn save(simulation: &Simulation, frames: u64, path: &Path, scene: [u8; 32]) 
     file.put_f32x3("velocities", &particles.velocities)?;
     file.put_f32("pressures", &particles.pressures)?;
     file.put_f32("divergence_pressures", &particles.divergence_pressures)?;
+    file.put_f32x3("viscous_changes", &particles.viscous_changes)?;
     file.put_u32("ids", &particles.ids)?;
     file.put_f32("densities", simulation.densities())?;
     file.put_f64("time", &[simulation.time, simulation.body_speed])?;
@@ -48,6 +49,7 @@ pub fn load(simulation: &mut Simulation, path: &Path, scene: [u8; 32]) -> Result
         velocities: file.get_f32x3("velocities")?,
         pressures: file.get_f32("pressures")?,
         divergence_pressures: file.get_f32("divergence_pressures")?,
+        viscous_changes: file.get_f32x3("viscous_changes")?,
         ids: file.get_u32("ids")?,
         next_id: next_id as u32,
     };

@@ -15,6 +15,8 @@ pub struct SolverSettings {
     #[serde(with = "DivergenceSolve")]
     #[schemars(with = "DivergenceSolve")]
     pub divergence: SolveSettings,
+    /// The solve for implicit viscosity and for the drag of bodies.
+    pub viscosity: ViscositySolveSettings,
     /// Relaxation of the Jacobi steps, omega of Algorithm 1.
     pub relaxation: f64,
     /// Whether the boundary's mirrored pressure is added, as Eq. 15 of Bender et al. 2020 has it. Without it forces are
@@ -36,6 +38,17 @@ pub struct SolveSettings {
     pub max_error: f64,
     /// Iterations at least.
     pub min_iterations: u32,
+    /// Iterations at most; the statistics tell when they did not suffice.
+    pub max_iterations: u32,
+}
+
+/// The viscous solve, by conjugate gradients: Weiler et al. 2018, *A Physically Consistent Implicit Viscosity Solver for SPH
+/// Fluids*. Done where the fluid's viscosity is implicit or bodies' surfaces have a drag.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct ViscositySolveSettings {
+    /// Largest residual, in parts of the velocities: root of the sum of squares of the one over that of the other.
+    pub max_error: f64,
     /// Iterations at most; the statistics tell when they did not suffice.
     pub max_iterations: u32,
 }
@@ -77,13 +90,26 @@ pub struct TimeStepSettings {
 pub struct FluidSettings {
     /// Rest density rho_0, kg/m^3.
     pub rest_density: f64,
-    /// Kinematic viscosity nu, m^2/s (Bender et al. 2020, Eq. 16 with mu = nu rho); explicit, so it bounds the time
-    /// step: r^2 / (120 nu) for the cubic spline.
+    /// Kinematic viscosity nu, m^2/s (Bender et al. 2020, Eq. 16 with mu = nu rho).
     pub viscosity: f64,
+    /// How it is computed. Default: explicit.
+    pub viscosity_method: ViscosityMethod,
     /// XSPH velocity smoothing, parts of the velocity difference (0: off).
     pub xsph: f64,
     /// Volume of a particle in parts of its cube (2 rp)^3; SPlisHSPlasH: 0.8.
     pub volume_factor: f64,
+}
+
+/// How the fluid's viscosity is computed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum ViscosityMethod {
+    /// From the velocities before the step; it bounds the step, by r^2 / (120 nu) for the cubic spline. For thin fluids.
+    #[default]
+    Explicit,
+    /// From those after it, for which a system is solved (`solver.viscosity`); steps are as long as without viscosity. For
+    /// thick fluids.
+    Implicit,
 }
 
 /// What the whole scene shares.
@@ -106,6 +132,7 @@ impl Default for SolverSettings {
         SolverSettings {
             density: SolveSettings::default(),
             divergence: SolveSettings::of_divergence(),
+            viscosity: ViscositySolveSettings::default(),
             relaxation: 0.5,
             mirrored_pressure: false,
             warm_start: 0.5,
@@ -128,6 +155,22 @@ impl SolveSettings {
     }
 }
 
+impl Default for ViscositySolveSettings {
+    fn default() -> Self {
+        ViscositySolveSettings { max_error: 1e-3, max_iterations: 200 }
+    }
+}
+
+impl FluidSettings {
+    /// The part of the viscosity that is explicit, and the part that is implicit, m^2/s.
+    pub fn viscosities(&self) -> [f64; 2] {
+        match self.viscosity_method {
+            ViscosityMethod::Explicit => [self.viscosity, 0.0],
+            ViscosityMethod::Implicit => [0.0, self.viscosity],
+        }
+    }
+}
+
 impl Default for TimeStepSettings {
     fn default() -> Self {
         TimeStepSettings { initial: 1e-3, adaptive: true, cfl_factor: 1.0, min: 1e-4, max: 2e-3 }
@@ -136,7 +179,13 @@ impl Default for TimeStepSettings {
 
 impl Default for FluidSettings {
     fn default() -> Self {
-        FluidSettings { rest_density: 1000.0, viscosity: 0.01, xsph: 0.0, volume_factor: 1.0 }
+        FluidSettings {
+            rest_density: 1000.0,
+            viscosity: 0.01,
+            viscosity_method: ViscosityMethod::Explicit,
+            xsph: 0.0,
+            volume_factor: 1.0,
+        }
     }
 }
 

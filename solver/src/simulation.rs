@@ -15,6 +15,7 @@ use crate::settings::{FluidSettings, SolveSettings, SolverSettings, World};
 use crate::stages::Stages;
 use crate::strays;
 use crate::time_step::{time_step, viscous_limit};
+use crate::viscosity::{ViscousSolver, ViscousSystem};
 use rayon::prelude::*;
 use volmap_runtime::{Closure, ClosureKind, DVec3, Kernel};
 
@@ -57,6 +58,7 @@ pub struct Simulation {
     neighbours: Neighbours,
     boundary: Boundary,
     fields: Fields,
+    viscous: ViscousSolver,
     stages: Stages,
 }
 
@@ -93,6 +95,8 @@ pub struct StepReport {
     pub density: SolveReport,
     /// The divergence solve.
     pub divergence: SolveReport,
+    /// The viscous solve, of velocities instead of densities: [`crate::viscosity`].
+    pub viscosity: SolveReport,
     /// Largest speed at its beginning, m/s, that of bodies where they touch the fluid included.
     pub max_speed: f64,
     /// Particles that came from emitters.
@@ -136,6 +140,7 @@ impl Simulation {
             neighbours: Neighbours::default(),
             boundary: Boundary::default(),
             fields: Fields { densities, ..Fields::default() },
+            viscous: ViscousSolver::default(),
             stages: Stages::default(),
         }
     }
@@ -154,7 +159,7 @@ impl Simulation {
         self.find_neighbourhoods();
         self.compute_density();
         let divergence = self.correct_divergence_error(dt);
-        self.add_non_pressure(dt);
+        let viscosity = self.add_non_pressure(dt);
         let density = self.correct_density_error(dt);
         self.advance(dt);
         let removed = strays::remove_outside(&mut self.particles, &mut self.fields.densities, self.domain);
@@ -167,6 +172,7 @@ impl Simulation {
             dt,
             density,
             divergence,
+            viscosity,
             max_speed,
             emitted,
             removed,
@@ -232,11 +238,35 @@ impl Simulation {
         report
     }
 
-    fn add_non_pressure(&mut self, dt: f64) {
+    fn add_non_pressure(&mut self, dt: f64) -> SolveReport {
         let (with, forces) = (self.discretization(), (&self.fluid, self.world.gravity));
         self.fields.compute_non_pressure(with, &self.neighbours, forces, dt);
         self.fields.accelerate(dt);
+        let report = self.solve_viscosity(dt);
         self.stages.end(|stages| &mut stages.non_pressure);
+        report
+    }
+
+    /// Implicit viscosity and the drag of bodies, where there is any.
+    fn solve_viscosity(&mut self, dt: f64) -> SolveReport {
+        let [_, viscosity] = self.fluid.viscosities();
+        if viscosity == 0.0 && self.boundary.drags().next().is_none() {
+            return SolveReport::default();
+        }
+        let system = ViscousSystem {
+            with: self.discretization(),
+            neighbours: &self.neighbours,
+            boundary: &self.boundary,
+            bodies: &self.bodies,
+            viscosity,
+            mass: self.particle_mass(),
+            settings: &self.solver.viscosity,
+            dt,
+        };
+        let changes = &mut self.particles.viscous_changes;
+        let (report, forces) = self.viscous.solve(&system, &mut self.fields, changes);
+        self.push(&forces);
+        report
     }
 
     fn correct_density_error(&mut self, dt: f64) -> SolveReport {
@@ -348,8 +378,8 @@ impl Simulation {
         &self.bodies
     }
 
-    /// The fluid's force (N) on each body in the last step, and its torque (N m) about the centre of mass; zero if no
-    /// body is free.
+    /// The fluid's force (N) on each body in the last step, and its torque (N m) about the centre of mass; if no body is
+    /// free, by drag alone.
     pub fn body_forces(&self) -> &[[DVec3; 2]] {
         &self.body_forces
     }

@@ -17,7 +17,7 @@ pub fn time_step(settings: &TimeStepSettings, particle_radius: f64, max_speed: f
     step.min(settings.max).min(most).max(settings.min)
 }
 
-/// The longest step, seconds, in which explicit viscosity calms and doesn't excite; infinite without viscosity.
+/// The longest step, seconds, in which explicit viscosity calms and doesn't excite; infinite without.
 ///
 /// A step takes nu dt S (v_i - mean of v_j) from a velocity, S the sum of the weights of Eq. 16 of Bender et al. 2020:
 /// ```text
@@ -34,12 +34,14 @@ pub fn viscous_limit(fluid: &FluidSettings, kernel: KernelKind, support_radius: 
         KernelKind::Poly6 => 2.25,
     };
     let weights = 40.0 * line / (support_radius * support_radius);
-    (1.0 - 0.5 * fluid.xsph) / (fluid.viscosity * weights)
+    let [explicit, _] = fluid.viscosities();
+    (1.0 - 0.5 * fluid.xsph) / (explicit * weights)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::settings::ViscosityMethod;
     use std::f64::consts::PI;
 
     #[test]
@@ -66,7 +68,9 @@ mod tests {
             let limit = viscous_limit(&fluid, kind, 0.1);
             assert!((limit * 2.0 * weights / 0.75 - 1.0).abs() < 1e-6, "{kind}: {limit}");
         }
-        let none = FluidSettings { viscosity: 0.0, ..fluid };
-        assert_eq!(viscous_limit(&none, KernelKind::Poly6, 0.1), f64::INFINITY);
+        let implicit = FluidSettings { viscosity_method: ViscosityMethod::Implicit, ..fluid.clone() };
+        for none in [implicit, FluidSettings { viscosity: 0.0, ..fluid }] {
+            assert_eq!(viscous_limit(&none, KernelKind::Poly6, 0.1), f64::INFINITY);
+        }
     }
 }

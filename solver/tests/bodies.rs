@@ -11,8 +11,8 @@ use volmap_formats::mesh::{CleanReport, Placement, TriangleMesh};
 use volmap_runtime::{DQuat, DVec3, Pose, VolumeMap};
 use volmap_solver::Error;
 use volmap_solver::bodies::{
-    Bodies, BodyDescription, ContactMaterial, FreeBody, Interpolation, Key, Keys, Mass, Motion, Path, Spin,
-    Weight,
+    Bodies, BodyDescription, ContactMaterial, FluidContact, FreeBody, Interpolation, Key, Keys, Mass, Motion,
+    Path, Spin, Weight,
 };
 
 const GRAVITY: DVec3 = DVec3::new(0.0, -9.81, 0.0);
@@ -90,6 +90,7 @@ fn body(name: &str, thing: &Thing, at: DVec3, motion: Motion) -> BodyDescription
         pose: Pose { translation: at, ..Pose::default() },
         motion,
         material: ContactMaterial::default(),
+        fluid_contact: FluidContact::default(),
     }
 }
 

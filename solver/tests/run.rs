@@ -53,6 +53,14 @@ time = 0.24
 const CUBE: &str = "v -.5 -.5 -.5\nv .5 -.5 -.5\nv -.5 .5 -.5\nv .5 .5 -.5\nv -.5 -.5 .5\nv .5 -.5 .5\nv -.5 .5 .5\nv .5 .5 .5\n\
                     f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
 
+/// The same, thick, and the cube sticks.
+fn thick() -> String {
+    let fluid = "[fluid]\nviscosity = 0.3\nviscosity_method = \"implicit\"\n\n[solver.time_step]";
+    let free = "motion = { free";
+    let sticks = "material = { fluid_viscosity = 0.3, fluid_friction = 0.01 }\nmotion = { free";
+    SCENE.replace("[solver.time_step]", fluid).replace(free, sticks)
+}
+
 /// A folder with a scene and room for runs.
 struct Place(TempDir);
 
@@ -172,7 +180,7 @@ fn without_times(bytes: &[u8]) -> Vec<u8> {
 
 #[test]
 fn bytes_do_not_depend_on_threads() {
-    let place = Place::new(SCENE);
+    let place = Place::new(&thick());
     for threads in ["1", "2", "4"] {
         place.succeed(threads, &["--threads", threads, "--until", "0.1"]);
     }
@@ -183,8 +191,10 @@ fn bytes_do_not_depend_on_threads() {
     );
     place.assert_same("1", "2");
     place.assert_same("1", "4");
-    // The cube and the jet are there.
+    // The cube and the jet are there, and viscosity is solved for.
     assert!(place.column("1", "near_bodies").iter().any(|&n| n > 0.0));
+    assert!(place.column("1", "viscosity_iterations").iter().all(|&n| n > 0.0));
+    assert!(place.column("1", "viscosity_error").iter().all(|&error| error <= 1e-3));
     assert!(place.column("1", "emitted").iter().sum::<f64>() > 0.0);
 }
 
@@ -212,7 +222,7 @@ fn killed_runs_go_on_to_the_same_bytes() {
 #[cfg(unix)]
 #[test]
 fn an_interrupt_leaves_a_check_point() {
-    let place = Place::new(SCENE);
+    let place = Place::new(&thick());
     place.succeed("whole", &[]);
     let child = place.start_until("stopped", &[], 20);
     let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();

@@ -166,6 +166,27 @@ fn values_out_of_range_are_named_and_placed() {
             "[fluid]\nrest_density = 0",
             "fluid.rest_density: 0 is not positive",
         ),
+        (
+            "0.25",
+            "0.25\nfluid_viscosity = -1",
+            "s.toml:20:1: bodies[1].material.fluid_viscosity: -1 is negative",
+        ),
+        ("0.25", "0.25\nfluid_friction = -1", "bodies[1].material.fluid_friction: -1 is negative"),
+        (
+            "[solver.time_step]\nmax = 2e-3",
+            "[fluid]\nviscosity_method = \"implicid\"",
+            "unknown value `implicid`; did you mean `implicit`?",
+        ),
+        (
+            "[solver.time_step]\nmax = 2e-3",
+            "[solver.viscosity]\nmax_error = 0",
+            "solver.viscosity.max_error: 0 is not positive",
+        ),
+        (
+            "max = 2e-3",
+            "max = 2e-3\n[fluid]\nviscosity = 100",
+            "viscosity_method = \"implicit\" takes longer ones",
+        ),
         ("[solver.time_step]\nmax = 2e-3", "[stop]\ntime = -1", "stop.time: -1 is not positive"),
     ];
     for (old, new, expected) in cases {

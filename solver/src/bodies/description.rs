@@ -24,6 +24,8 @@ pub struct BodyDescription {
     pub motion: Motion,
     /// How it feels to other bodies.
     pub material: ContactMaterial,
+    /// How it feels to the fluid.
+    pub fluid_contact: FluidContact,
 }
 
 /// How a body moves.
@@ -70,6 +72,16 @@ pub struct ContactMaterial {
     pub restitution: f64,
 }
 
+/// Drag of a body's surface on the fluid: Bender et al. 2020, section 4.4. Both are kinematic, mu_B / rho_0, in m^2/s, as the
+/// fluid's viscosity; they add up, and by default are 0: the fluid slips.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FluidContact {
+    /// Sticking: viscosity between body and fluid (Eq. 16 and 17).
+    pub viscosity: f64,
+    /// Tangential friction (Eq. 18 and 19).
+    pub friction: f64,
+}
+
 impl Default for FreeBody {
     fn default() -> Self {
         FreeBody {
@@ -102,6 +114,12 @@ impl BodyDescription {
         }
         if !(0.0..=1.0).contains(&restitution) {
             return Err(format!("a restitution of {restitution}: take 0 to 1"));
+        }
+        let FluidContact { viscosity, friction } = self.fluid_contact;
+        if ![viscosity, friction].iter().all(|x| *x >= 0.0 && x.is_finite()) {
+            return Err(format!(
+                "a viscosity of {viscosity} and a friction of {friction} between it and the fluid: take 0 or more"
+            ));
         }
         let defect = match &self.motion {
             Motion::Static => None,

@@ -18,10 +18,14 @@ pub struct StepStatistics {
     pub density_iterations: u32,
     /// Iterations of the solve that keeps the velocity free of divergence.
     pub divergence_iterations: u32,
+    /// Iterations of the viscous solve; 0 without implicit viscosity and drag of bodies.
+    pub viscosity_iterations: u32,
     /// Mean error of the density at the end of its solve, in parts of the rest density.
     pub density_error: f64,
     /// Mean change of the density in the step at the end of the other solve, in parts of the rest density.
     pub divergence_error: f64,
+    /// Residual at the end of the viscous solve, in parts of the velocities.
+    pub viscosity_error: f64,
     /// Largest speed, m/s.
     pub max_speed: f64,
     /// Mean number of neighbours of a particle.
@@ -97,6 +101,8 @@ pub struct Summary {
     pub density_iterations: Spread,
     /// Iterations of the solve that keeps the velocity free of divergence.
     pub divergence_iterations: Spread,
+    /// Iterations of the viscous solve.
+    pub viscosity_iterations: Spread,
     /// Mean error of the density, in parts of the rest density.
     pub density_error: Spread,
     /// Largest speed, m/s.
@@ -153,6 +159,7 @@ pub fn summarise(steps: &[StepStatistics]) -> Summary {
         dt: spread(|s| s.dt),
         density_iterations: spread(|s| s.density_iterations.into()),
         divergence_iterations: spread(|s| s.divergence_iterations.into()),
+        viscosity_iterations: spread(|s| s.viscosity_iterations.into()),
         density_error: spread(|s| s.density_error),
         max_speed: spread(|s| s.max_speed),
         step_ms: spread(|s| s.step_ms),

@@ -198,6 +198,28 @@ fn viscosity_is_the_slow_one_and_keeps_momentum() {
     }
 }
 
+/// The Laplacian alone is that with the mean, to the bit; and a particle's own part is what it becomes if all others rest.
+#[test]
+fn laplacian_is_that_of_viscosity_and_knows_its_own_part() {
+    let fluid = fluid();
+    for kernel in KernelKind::ALL {
+        let (pairs, field) = (fluid.pairs(kernel), &fluid.velocities);
+        let alone: Vec<[f32; 3]> = fluid.all(kernel, |lists, out| pairs.laplacian(lists, field, out));
+        let both: Vec<Both> = fluid.all(kernel, |lists, out| pairs.viscosity(lists, field, out));
+        assert!(alone == both.iter().map(|it| it[0]).collect::<Vec<_>>(), "{kernel}");
+        let got: Vec<Symmetric> = fluid.all(kernel, |lists, out| pairs.laplacian_own_part(lists, out));
+        let own: Vec<DVec3> = got.iter().enumerate().map(|(i, m)| times(m, fluid.velocity(i))).collect();
+        let slow = fluid.slow(kernel, |i, _, x, _, slope| {
+            10.0 * fluid.velocity(i).dot(x) / (x.length_squared() + 0.01 * RADIUS * RADIUS) * slope
+        });
+        assert_close(kernel, &own, &slow);
+    }
+}
+
+fn times(&[xx, yy, zz, xy, xz, yz]: &Symmetric, v: DVec3) -> DVec3 {
+    DVec3::new(vector([xx, xy, xz]).dot(v), vector([xy, yy, yz]).dot(v), vector([xz, yz, zz]).dot(v))
+}
+
 /// Whatever this processor has, against [`Plain`].
 #[test]
 fn all_lanes_give_the_same_bits() {
@@ -228,6 +250,16 @@ fn all_lanes_give_the_same_bits() {
             fluid.all(kernel, |lists, out| plain(kernel, viscosity::Work { pairs, lists, velocities, out })),
         );
         assert!(a == b, "viscosity {kernel}");
+        let (a, b): (Vec<[f32; 3]>, Vec<[f32; 3]>) = (
+            fluid.all(kernel, |lists, out| pairs.laplacian(lists, field, out)),
+            fluid.all(kernel, |lists, out| plain(kernel, laplacian::Work { pairs, lists, field, out })),
+        );
+        assert!(a == b, "Laplacian {kernel}");
+        let (a, b): (Vec<Symmetric>, Vec<Symmetric>) = (
+            fluid.all(kernel, |lists, out| pairs.laplacian_own_part(lists, out)),
+            fluid.all(kernel, |lists, out| plain(kernel, laplacian::OwnPart { pairs, lists, out })),
+        );
+        assert!(a == b, "Laplacian's own part {kernel}");
     }
 }
 

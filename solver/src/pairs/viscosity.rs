@@ -7,7 +7,10 @@ use super::{Difference, KernelWork, Pairs, add_scaled, dot, splat, sums};
 use crate::neighbours::Lists;
 
 /// 2 (d + 2) in three dimensions.
-const FACTOR: f32 = 10.0;
+pub(super) const FACTOR: f32 = 10.0;
+
+/// What is added to the square of a distance in support radii, 0.01 h^2 of Eq. 16.
+pub(super) const SMALL: f32 = 0.01;
 
 pub(super) struct Work<'a> {
     pub pairs: Pairs<'a>,
@@ -19,10 +22,8 @@ pub(super) struct Work<'a> {
 impl KernelWork for Work<'_> {
     #[inline(always)]
     fn run<V: Lanes, K: KernelLanes>(self) {
-        let (of_density, of_gradient) = (self.pairs.density_scale::<K>(), self.pairs.gradient_scale::<K>());
-        // x . x and x are in support radii: one of them is left over.
-        let of_laplacian = FACTOR * of_gradient / self.pairs.with.support_radius as f32;
-        let small = V::splat(0.01);
+        let (of_density, of_laplacian) = (self.pairs.density_scale::<K>(), self.pairs.laplacian_scale::<K>());
+        let small = V::splat(SMALL);
         for (within, out) in self.out.iter_mut().enumerate() {
             let particle = self.lists.first + within;
             let (at, own) = (splat::<V>(self.pairs.places[particle]), splat::<V>(self.velocities[particle]));

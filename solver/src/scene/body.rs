@@ -129,15 +129,29 @@ pub struct FreeMotion {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Material {
-    /// Coulomb's coefficient of friction.
+    /// Coulomb's coefficient of friction between bodies; of two, the mean counts.
     pub friction: f64,
     /// Restitution between bodies: 0 stays, 1 bounces.
     pub restitution: f64,
+    /// How the fluid sticks: kinematic viscosity between it and the body, m^2/s, as the fluid's own (Bender et al. 2020, Eq. 16
+    /// and 17, mu_B over rho_0). 0: it slips.
+    pub fluid_viscosity: f64,
+    /// Tangential friction between fluid and body, m^2/s (Eq. 18 and 19): as `fluid_viscosity`, but the fluid comes off freely.
+    pub fluid_friction: f64,
 }
 
 impl Default for Material {
     fn default() -> Self {
-        Material { friction: 0.5, restitution: 0.0 }
+        Material { friction: 0.5, restitution: 0.0, fluid_viscosity: 0.0, fluid_friction: 0.0 }
+    }
+}
+
+impl Material {
+    fn check(&self, at: &At) -> Checked {
+        at.not_negative("friction", self.friction)?;
+        at.within("restitution", self.restitution, [0.0, 1.0])?;
+        at.not_negative("fluid_viscosity", self.fluid_viscosity)?;
+        at.not_negative("fluid_friction", self.fluid_friction)
     }
 }
 
@@ -203,8 +217,7 @@ impl Body {
         if self.bake.invert && matches!(self.motion, Motion::Free(_)) {
             return Err(at.problem("motion", "a container without an outside has no mass: it can't be free"));
         }
-        at.key("material").not_negative("friction", self.material.friction)?;
-        at.key("material").within("restitution", self.material.restitution, [0.0, 1.0])?;
+        self.material.check(&at.key("material"))?;
         let mut channels = self.colour.iter().flatten();
         channels.try_for_each(|&channel| at.within("colour", channel, [0.0, 1.0]))
     }

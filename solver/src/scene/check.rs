@@ -119,6 +119,11 @@ pub(super) fn fluid(at: &At, fluid: &FluidSettings) -> Checked {
 pub(super) fn solver(at: &At, solver: &SolverSettings) -> Checked {
     solve(&at.key("density"), &solver.density)?;
     solve(&at.key("divergence"), &solver.divergence)?;
+    let viscosity = at.key("viscosity");
+    viscosity.positive("max_error", solver.viscosity.max_error)?;
+    viscosity.require("max_iterations", solver.viscosity.max_iterations > 0, || {
+        "0 iterations solve nothing; viscosity = 0 of the fluid does".into()
+    })?;
     at.positive("relaxation", solver.relaxation)?;
     at.within("relaxation", solver.relaxation, [0.0, 1.0])?;
     at.within("warm_start", solver.warm_start, [0.0, 1.0])?;
@@ -141,7 +146,8 @@ pub(super) fn viscosity(at: &At, fluid: &FluidSettings, solver: &SolverSettings,
     let (key, least) = if step.adaptive { ("min", step.min) } else { ("initial", step.initial) };
     at.require("viscosity", least <= limit, || {
         format!(
-            "{} m^2/s needs time steps of at most {limit:.2e} s; solver.time_step.{key} is {least:e} s",
+            "{} m^2/s needs time steps of at most {limit:.2e} s; solver.time_step.{key} is {least:e} s; viscosity_method = \
+             \"implicit\" takes longer ones",
             fluid.viscosity
         )
     })

@@ -1,6 +1,6 @@
 //! Bodies of the experiments: meshes made in memory and baked.
 
-use crate::bodies::{BodyDescription, ContactMaterial, Motion};
+use crate::bodies::{BodyDescription, ContactMaterial, FluidContact, Motion};
 use crate::error::Error;
 use crate::scene::map::cell_size;
 use std::collections::BTreeMap;
@@ -115,6 +115,7 @@ impl Shape {
             pose: Pose { translation: at, ..Pose::default() },
             motion,
             material: ContactMaterial::default(),
+            fluid_contact: FluidContact::default(),
         }
     }
 }

@@ -1,0 +1,291 @@
+//! Implicit viscosity and the drag of bodies: Weiler et al. 2018, *A Physically Consistent Implicit Viscosity Solver for SPH
+//! Fluids*; boundaries by Bender et al. 2020, section 4.4 ([`drag`]).
+//!
+//! Unknown are the velocities v at the end of the step; v0 are those before it, with gravity:
+//! ```text
+//! v_i - dt nu (Laplacian v)_i + dt sum B (v_i - v_B) = v0_i      (Weiler et al.)
+//! ```
+//! the Laplacian as in Eq. 16 of Bender et al. 2020. Particles have one mass and one volume, so the matrix is symmetric; its
+//! eigenvalues are 1 or more. Conjugate gradients without a matrix, in single precision with products in double precision; the
+//! preconditioner is the inverse of its 3 x 3 diagonal blocks. A solve begins with the last step's change of the velocities.
+//!
+//! Kept at any tolerance: momentum and angular momentum. What is left of the residual when a solve ends is added to the
+//! velocities, which makes them v0 plus what particles and bodies exchange: opposite forces along the lines between them.
+
+mod carried;
+pub mod drag;
+
+use crate::bodies::Bodies;
+use crate::boundary::Boundary;
+use crate::coupling::Motions;
+use crate::fields::{Discretization, Fields};
+use crate::neighbours::{CHUNK, Neighbours};
+use crate::pairs::Symmetric;
+use crate::pairs::lanes::Quad;
+use crate::pressure::SolveReport;
+use crate::settings::ViscositySolveSettings;
+use carried::Carried;
+use glam::DMat3;
+use rayon::prelude::*;
+use volmap_runtime::DVec3;
+
+/// What a solve works on.
+pub struct ViscousSystem<'a> {
+    /// The kernel's sums.
+    pub with: Discretization,
+    /// Who is near whom.
+    pub neighbours: &'a Neighbours,
+    /// Whose drag is near.
+    pub boundary: &'a Boundary,
+    /// The bodies.
+    pub bodies: &'a Bodies,
+    /// Kinematic viscosity of the fluid, nu, m^2/s; 0 for the bodies' drag alone.
+    pub viscosity: f64,
+    /// Mass of a particle, kg.
+    pub mass: f64,
+    /// When to stop.
+    pub settings: &'a ViscositySolveSettings,
+    /// Time step, seconds.
+    pub dt: f64,
+}
+
+/// Room for the vectors of conjugate gradients, one for each particle; quads have one more, which is zero.
+#[derive(Clone, Debug, Default)]
+pub struct ViscousSolver {
+    residual: Vec<Quad>,
+    direction: Vec<Quad>,
+    /// The preconditioner.
+    inverses: Vec<Symmetric>,
+}
+
+/// Squares of the residual: as it is, and times the preconditioner.
+#[derive(Clone, Copy, Default)]
+struct Squares {
+    plain: f64,
+    preconditioned: f64,
+}
+
+impl ViscousSolver {
+    /// Solves for the velocities of `fields`, whose accelerations are overwritten. `changes` are those of the velocities in the
+    /// last step, with which it begins, and in this one. Force and torque of the fluid on each body come with the report.
+    pub fn solve(
+        &mut self,
+        system: &ViscousSystem,
+        fields: &mut Fields,
+        changes: &mut [[f32; 3]],
+    ) -> (SolveReport, Motions) {
+        let carried = Carried::new(system.bodies, system.boundary, system.mass, system.dt);
+        let Fields { places, velocities, accelerations: room, .. } = fields;
+        let scale = begin(velocities, changes) + carried.square();
+        self.precondition(system, places);
+        let motions = carried.velocities(velocities);
+        system.apply(&carried, places, (velocities, &motions), room);
+        let mut squares = self.first_residual(changes, room);
+        let mut report = SolveReport::default();
+        loop {
+            report.error = if scale > 0.0 { (squares.plain / scale).sqrt() } else { 0.0 };
+            if report.error <= system.settings.max_error
+                || report.iterations >= system.settings.max_iterations
+            {
+                break;
+            }
+            let motions = carried.response(&self.direction);
+            let product = system.apply(&carried, places, (&self.direction, &motions), room);
+            if product.is_nan() || product <= 0.0 {
+                break;
+            }
+            let step = (squares.preconditioned / product) as f32;
+            let next = self.descend(step, velocities, room);
+            self.turn((next.preconditioned / squares.preconditioned) as f32, room);
+            squares = next;
+            report.iterations += 1;
+        }
+        let impulses = carried.impulses(velocities, &carried.velocities(velocities));
+        let forces = impulses.iter().map(|&[push, turn]| [push / system.dt, turn / system.dt]).collect();
+        // A large residual would do harm.
+        let part = if report.error <= system.settings.max_error { 1.0 } else { 0.0 };
+        self.end(part, velocities, changes);
+        (report, forces)
+    }
+
+    /// Inverts the diagonal blocks.
+    fn precondition(&mut self, system: &ViscousSystem, places: &[Quad]) {
+        self.inverses.resize(places.len() - 1, [0.0; 6]);
+        let (pairs, step) = (system.with.pairs(places), system.dt * system.viscosity);
+        let chunks = self.inverses.par_chunks_mut(CHUNK).zip(system.neighbours.chunks());
+        chunks.for_each(|(out, lists)| {
+            out.fill([0.0; 6]);
+            if step > 0.0 {
+                pairs.laplacian_own_part(lists, out);
+            }
+            let mut blocks = [[0.0; 6]; CHUNK];
+            for (block, own) in blocks.iter_mut().zip(&*out) {
+                *block = own.map(|x| -step * f64::from(x));
+            }
+            for drag in system.boundary.drags_of_chunk(lists.first / CHUNK) {
+                let block = &mut blocks[drag.particle as usize - lists.first];
+                for (sum, x) in block.iter_mut().zip(drag.matrix()) {
+                    *sum += system.dt * x;
+                }
+            }
+            for (out, block) in out.iter_mut().zip(blocks) {
+                *out = inverse_of_one_plus(block);
+            }
+        });
+    }
+
+    /// r = v0 - A v, of v0 as `before` and A v as `product`; the first direction.
+    fn first_residual(&mut self, before: &[[f32; 3]], product: &[Quad]) -> Squares {
+        self.residual.resize(product.len(), [0.0; 4]);
+        self.direction.clear();
+        self.direction.resize(product.len(), [0.0; 4]);
+        let chunks = self.residual.par_chunks_mut(CHUNK).zip(self.direction.par_chunks_mut(CHUNK));
+        let given =
+            before.par_chunks(CHUNK).zip(product.par_chunks(CHUNK)).zip(self.inverses.par_chunks(CHUNK));
+        let parts = chunks.zip(given).map(|((residual, direction), ((before, product), inverses))| {
+            let mut squares = Squares::default();
+            for (n, inverse) in inverses.iter().enumerate() {
+                for axis in 0..3 {
+                    residual[n][axis] = before[n][axis] - product[n][axis];
+                }
+                direction[n] = multiply(inverse, residual[n]);
+                squares.add(residual[n], direction[n]);
+            }
+            squares
+        });
+        sum(parts.collect())
+    }
+
+    /// Goes `step` far: v <- v + step p, r <- r - step A p; the preconditioned residual takes the place of A p.
+    fn descend(&mut self, step: f32, velocities: &mut [Quad], product: &mut [Quad]) -> Squares {
+        let chunks = velocities.par_chunks_mut(CHUNK).zip(self.residual.par_chunks_mut(CHUNK));
+        let given = self.direction.par_chunks(CHUNK).zip(self.inverses.par_chunks(CHUNK));
+        let all = chunks.zip(product.par_chunks_mut(CHUNK)).zip(given);
+        let parts = all.map(|(((velocities, residual), product), (direction, inverses))| {
+            let mut squares = Squares::default();
+            for (n, inverse) in inverses.iter().enumerate() {
+                for axis in 0..3 {
+                    velocities[n][axis] += step * direction[n][axis];
+                    residual[n][axis] -= step * product[n][axis];
+                }
+                product[n] = multiply(inverse, residual[n]);
+                squares.add(residual[n], product[n]);
+            }
+            squares
+        });
+        sum(parts.collect())
+    }
+
+    /// The next direction: p <- z + part p.
+    fn turn(&mut self, part: f32, preconditioned: &[Quad]) {
+        let count = self.inverses.len();
+        let all = self.direction[..count].par_iter_mut().zip(preconditioned).with_min_len(CHUNK);
+        all.for_each(|(direction, z)| {
+            for axis in 0..3 {
+                direction[axis] = z[axis] + part * direction[axis];
+            }
+        });
+    }
+
+    /// Adds the residual, or a part of it; `changes`, which are the velocities before, become the change.
+    fn end(&self, part: f32, velocities: &mut [Quad], changes: &mut [[f32; 3]]) {
+        let all = velocities.par_iter_mut().zip(changes).zip(&self.residual).with_min_len(CHUNK);
+        all.for_each(|((velocity, change), residual)| {
+            for axis in 0..3 {
+                velocity[axis] += part * residual[axis];
+                change[axis] = velocity[axis] - change[axis];
+            }
+        });
+    }
+}
+
+impl ViscousSystem<'_> {
+    /// Writes A u, for a field u and the bodies' motions that belong to it; the product u . A u.
+    fn apply(
+        &self,
+        carried: &Carried,
+        places: &[Quad],
+        (field, motions): (&[Quad], &Motions),
+        out: &mut [Quad],
+    ) -> f64 {
+        let (pairs, viscous) = (self.with.pairs(places), (self.dt * self.viscosity) as f32);
+        let chunks = out.par_chunks_mut(CHUNK).zip(self.neighbours.chunks());
+        let products: Vec<f64> = chunks
+            .map(|(out, lists)| {
+                let mut laplacians = [[0.0; 3]; CHUNK];
+                let laplacians = &mut laplacians[..lists.len()];
+                if viscous > 0.0 {
+                    pairs.laplacian(lists, field, laplacians);
+                }
+                let own = &field[lists.first..][..lists.len()];
+                for ((out, own), laplacian) in out.iter_mut().zip(own).zip(laplacians) {
+                    let [x, y, z] = std::array::from_fn(|axis| own[axis] - viscous * laplacian[axis]);
+                    *out = [x, y, z, 0.0];
+                }
+                for drag in self.boundary.drags_of_chunk(lists.first / CHUNK) {
+                    let own = carried::velocity(field[drag.particle as usize]);
+                    let lost = self.dt * drag.rate(own - carried.at(drag, motions));
+                    let out = &mut out[drag.particle as usize - lists.first];
+                    for (out, lost) in out.iter_mut().zip(lost.to_array()) {
+                        *out += lost as f32;
+                    }
+                }
+                own.iter().zip(out).map(|(own, out)| dot(*own, *out)).sum()
+            })
+            .collect();
+        products.iter().sum()
+    }
+}
+
+/// Puts the velocities into `changes` and adds the changes to them; the sum of their squares before.
+fn begin(velocities: &mut [Quad], changes: &mut [[f32; 3]]) -> f64 {
+    let chunks = velocities.par_chunks_mut(CHUNK).zip(changes.par_chunks_mut(CHUNK));
+    let parts = chunks.map(|(velocities, changes)| {
+        let mut square = 0.0;
+        for (velocity, change) in velocities.iter_mut().zip(changes) {
+            square += dot(*velocity, *velocity);
+            for axis in 0..3 {
+                let before = velocity[axis];
+                velocity[axis] += change[axis];
+                change[axis] = before;
+            }
+        }
+        square
+    });
+    parts.collect::<Vec<f64>>().iter().sum()
+}
+
+impl Squares {
+    fn add(&mut self, residual: Quad, preconditioned: Quad) {
+        self.plain += dot(residual, residual);
+        self.preconditioned += dot(residual, preconditioned);
+    }
+}
+
+/// In the chunks' order, on any number of threads.
+fn sum(parts: Vec<Squares>) -> Squares {
+    let add = |a: Squares, b: &Squares| Squares {
+        plain: a.plain + b.plain,
+        preconditioned: a.preconditioned + b.preconditioned,
+    };
+    parts.iter().fold(Squares::default(), add)
+}
+
+fn dot(a: Quad, b: Quad) -> f64 {
+    (0..3).map(|axis| f64::from(a[axis]) * f64::from(b[axis])).sum()
+}
+
+/// A symmetric matrix times a vector.
+fn multiply([xx, yy, zz, xy, xz, yz]: &Symmetric, [x, y, z, _]: Quad) -> Quad {
+    [xx * x + xy * y + xz * z, xy * x + yy * y + yz * z, xz * x + yz * y + zz * z, 0.0]
+}
+
+fn inverse_of_one_plus([xx, yy, zz, xy, xz, yz]: [f64; 6]) -> Symmetric {
+    let columns = [DVec3::new(1.0 + xx, xy, xz), DVec3::new(xy, 1.0 + yy, yz), DVec3::new(xz, yz, 1.0 + zz)];
+    let inverse = DMat3::from_cols(columns[0], columns[1], columns[2]).inverse();
+    let [x, y, z] = [inverse.x_axis, inverse.y_axis, inverse.z_axis];
+    [x.x, y.y, z.z, x.y, x.z, y.z].map(|number| number as f32)
+}
+
+#[cfg(test)]
+mod tests;
