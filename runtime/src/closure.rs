@@ -232,6 +232,16 @@ impl Closure {
         densities.extend(samples.iter().zip(positions).map(density));
     }
 
+    /// The solid's volume (m^3) in the ball of the kernel's support radius r, for what else than density weighs a boundary by it.
+    /// A map of a smaller radius doesn't know it: it is then that of a flat wall, led to zero between r/4 and r/2, where
+    /// the map ends.
+    pub fn volume(&self, boundary: &Boundary) -> f64 {
+        match &self.tables {
+            Tables::Image(image) => image.wide_volume(boundary.distance),
+            Tables::Point | Tables::Walls(_) => boundary.volume,
+        }
+    }
+
     /// `sharpness` says how much of an edge, 0 to 1, a place is that could be one.
     #[inline]
     fn answer(

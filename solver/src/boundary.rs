@@ -131,7 +131,8 @@ impl ChunkContacts {
                 self.inside.push(inside(Some(-near.distance * near.normal)));
             }
             let of = [particle, body as u32];
-            self.drags.extend(Drag::new(of, position, near, bodies.fluid_contact(body), closure.kernel()));
+            let wide = volmap_runtime::Boundary { volume: closure.volume(near), ..*near };
+            self.drags.extend(Drag::new(of, position, &wide, bodies.fluid_contact(body), closure.kernel()));
             let distance = |point| map.values(point).distance;
             if let Some(density) = closure.density_probing(near, Some(*volume_gradient), position, distance) {
                 self.contacts.push(Contact {

@@ -11,7 +11,7 @@ use volmap_solver::particles::Particles;
 use volmap_solver::settings::{FluidSettings, SolverSettings, ViscosityMethod, World};
 use volmap_solver::simulation::{Setup, Simulation};
 use volmap_solver::validation::observe::{centre, kinetic_energy, momenta, velocities};
-use volmap_solver::validation::shapes::{Shape, baked_finely, cuboid};
+use volmap_solver::validation::shapes::{self, Shape, cuboid};
 
 const RP: f64 = 0.025;
 const SPACING: f64 = 2.0 * RP;
@@ -57,7 +57,7 @@ fn steps(simulation: &mut Simulation, count: u32) {
 }
 
 fn baked(min: [f64; 3], max: [f64; 3]) -> Shape {
-    baked_finely(cuboid(DVec3::from(min), DVec3::from(max)), RADIUS, 0.25 * RADIUS, false).unwrap()
+    shapes::baked(cuboid(DVec3::from(min), DVec3::from(max)), RADIUS, false).unwrap()
 }
 
 fn touched(body: BodyDescription, viscosity: f64, friction: f64) -> BodyDescription {

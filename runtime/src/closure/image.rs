@@ -21,8 +21,9 @@ use glam::DVec3;
 /// The kernel's support radius over the maps'.
 pub(crate) const MAPS_PER_RADIUS: f64 = 4.0;
 
-/// Intervals of the table.
+/// Intervals of the tables.
 const INTERVALS: usize = 192;
+const WIDE_INTERVALS: usize = 64;
 
 /// Distances in the map's support radius: there the volume ends; here the ball is full of solid.
 const FARTHEST: f64 = 2.0;
@@ -37,13 +38,16 @@ pub(crate) struct Image {
     /// Over u, the fourth root of V: F, and the slope of R_mirror over the distance. Both end as powers, u is where they are
     /// smooth.
     table: Table<2>,
+    /// Over the distance in r: the half space's volume in the ball of r, m^3, with an end at r / 2.
+    wide: Table<1>,
 }
 
 impl Image {
     /// For particles of a radius in metres.
     pub fn new(kernel: Kernel, particle_radius: f64) -> Image {
-        let map_radius = kernel.support_radius() / MAPS_PER_RADIUS;
-        let mirror = Mirror::new(kernel.kind(), particle_radius / kernel.support_radius());
+        let radius = kernel.support_radius();
+        let map_radius = radius / MAPS_PER_RADIUS;
+        let mirror = Mirror::new(kernel.kind(), particle_radius / radius);
         let high = plane::volume(DEEPEST)[0].sqrt().sqrt();
         let step = high / INTERVALS as f64;
         let nodes = nodes(&mirror, step);
@@ -60,7 +64,13 @@ impl Image {
             per_volume: map_radius.powi(-3),
             per_radius: 1.0 / map_radius,
             table: Table::new(0.0, high, INTERVALS, node),
+            wide: Table::new(-0.5, 0.5, WIDE_INTERVALS, |d| wide_volume(d).map(|both| both.map(|v| v * radius.powi(3)))),
         }
+    }
+
+    /// See [`super::Closure::volume`]; metres.
+    pub fn wide_volume(&self, distance: f64) -> f64 {
+        self.wide.at(distance * self.per_radius / MAPS_PER_RADIUS)[0][0]
     }
 
     /// Density and gradient; without that of the volume (m^2) as at a flat wall, along the normal. `None` where there is no
@@ -75,6 +85,14 @@ impl Image {
         };
         (root > SMALLEST).then_some(BoundaryDensity { density, gradient, point: boundary.closest_point })
     }
+}
+
+/// The half space's volume for r = 1 and its slope, by a smooth step to zero between 1/4 and 1/2.
+fn wide_volume(d: f64) -> [[f64; 2]; 1] {
+    let [volume, slope] = plane::volume(d);
+    let s = ((0.5 - d) * MAPS_PER_RADIUS).clamp(0.0, 1.0);
+    let (step, fall) = (s * s * (3.0 - 2.0 * s), -6.0 * s * (1.0 - s) * MAPS_PER_RADIUS);
+    [[volume * step, slope * step + volume * fall]]
 }
 
 /// F, dF/du and the slope of R_mirror over the distance (in the map's support radius) at equal steps of u.

@@ -324,3 +324,20 @@ fn mirror_holds_the_first_layer_at_a_particle_radius() {
     assert!((density + at.density - 1.0).abs() < 1e-3, "{density} {}", at.density);
     assert!((2.0 * slope / -at.gradient.z - 1.0).abs() < 0.03, "{slope} {}", at.gradient.z);
 }
+
+#[test]
+fn mirror_knows_a_flat_walls_wide_volume() {
+    let closure = Closure::new(ClosureKind::Mirror, kernel(KernelKind::CubicSpline), PARTICLE);
+    for d in distances(-0.49, 0.49) {
+        let volume = closure.volume(&wall_for(ClosureKind::Mirror, d * RADIUS).0);
+        let exact = plane::volume(d)[0] * RADIUS.powi(3);
+        if d <= 0.25 {
+            assert!((volume / exact - 1.0).abs() < 1e-5, "at {d}: {volume} {exact}");
+        } else {
+            assert!(volume < exact && volume > 0.0, "at {d}: {volume} {exact}");
+        }
+    }
+    assert!(closure.volume(&wall_for(ClosureKind::Mirror, 0.0499 * RADIUS * 10.0).0) < 1e-7);
+    let wedge = Closure::new(ClosureKind::Wedge, kernel(KernelKind::CubicSpline), PARTICLE);
+    assert_eq!(wedge.volume(&wall(0.02).0), wall(0.02).0.volume);
+}

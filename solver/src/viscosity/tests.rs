@@ -5,7 +5,7 @@ use super::*;
 use crate::bodies::{BodyDescription, FluidContact, FreeBody, Motion, Weight};
 use crate::neighbours::tests::{Arranged, arrange, random, random_points};
 use crate::settings::ViscositySolveSettings;
-use crate::validation::shapes::{Shape, baked_finely, cuboid};
+use crate::validation::shapes::{Shape, baked, cuboid};
 use nalgebra::{DMatrix, DVector};
 use volmap_runtime::{Closure, ClosureKind, DQuat, Kernel, KernelKind, Pose, Sample};
 
@@ -29,7 +29,7 @@ struct Scene {
 /// A slab, of which both bodies are made.
 fn shape() -> Shape {
     let mesh = cuboid(DVec3::new(-0.15, -0.06, -0.1), DVec3::new(0.15, 0.06, 0.1));
-    baked_finely(mesh, RADIUS, 0.25 * RADIUS, false).unwrap()
+    baked(mesh, RADIUS, false).unwrap()
 }
 
 fn bodies(shape: &Shape, locked: bool) -> Bodies {
