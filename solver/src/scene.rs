@@ -27,7 +27,7 @@ pub use emitter::Emitter;
 pub use fluid::{Block, EmitterSettings, Fill, Nozzle};
 pub use numbers::{PerAxis, Region, Rotation};
 pub use output::{Camera, OutputSettings, Picture, StopSettings};
-pub use prepare::{Prepared, PreparedBody, prepare};
+pub use prepare::{Prepared, PreparedBody, SourceFile, prepare};
 pub use read::{Syntax, load, parse};
 pub use summary::{Summary, check, info};
 
@@ -193,6 +193,13 @@ impl Scene {
     /// Distance of neighbouring particles of a lattice at rest, metres.
     pub fn spacing(&self) -> f64 {
         2.0 * self.particle_radius
+    }
+
+    /// Paths of its maps and meshes.
+    pub(crate) fn paths_mut(&mut self) -> impl Iterator<Item = &mut PathBuf> {
+        let bodies = self.bodies.iter_mut().flat_map(|body| [&mut body.map, &mut body.mesh]);
+        let fills = self.fills.iter_mut().flat_map(|fill| [&mut fill.map, &mut fill.mesh]);
+        bodies.chain(fills).flatten()
     }
 
     /// What the solver needs of it all the time.

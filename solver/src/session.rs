@@ -3,7 +3,7 @@
 use crate::assemble::assemble;
 use crate::error::Error;
 use crate::output::{self, BodyFrame, Frame, Output, StepStatistics};
-use crate::resume;
+use crate::resume::{self, Identity};
 use crate::scene::{self, Picture, Prepared, PreparedBody, Scene};
 use crate::simulation::{Simulation, StepReport};
 use crate::stages::Stages;
@@ -31,7 +31,7 @@ pub struct Session {
     simulation: Simulation,
     output: Output,
     scene: Scene,
-    hash: [u8; 32],
+    identity: Identity,
     folder: PathBuf,
     end: f64,
     last_step: Option<u64>,
@@ -69,13 +69,13 @@ impl Session {
         let scene = scene::load(path)?;
         let prepared = scene::prepare(&scene, on_bake)?;
         let notes = prepared.notes.clone();
+        let identity = Identity::new(&scene, prepared.files.clone());
         let meshes = body_meshes(&prepared.bodies);
         let world = picture_world(&scene, &prepared, &meshes);
         let names: Vec<String> = prepared.bodies.iter().map(|body| body.name.clone()).collect();
         let mut simulation = Simulation::new(assemble(&scene, prepared)?);
-        let hash = resume::scene_hash(&scene);
         let start = if settings.resume {
-            let frames = resume::load(&mut simulation, &checkpoint, hash)?;
+            let frames = resume::load(&mut simulation, &checkpoint, &identity)?;
             Some(output::folder::Start { step: simulation.steps(), frames })
         } else {
             None
@@ -104,7 +104,7 @@ impl Session {
             simulation,
             output,
             scene,
-            hash,
+            identity,
             notes,
         };
         if !settings.resume {
@@ -194,7 +194,7 @@ impl Session {
     }
 
     fn checkpoint(&self) -> Result<(), Error> {
-        resume::save(&self.simulation, self.output.frames(), &self.folder.join(CHECKPOINT), self.hash)
+        resume::save(&self.simulation, self.output.frames(), &self.folder.join(CHECKPOINT), &self.identity)
     }
 
     /// The simulation.

@@ -253,6 +253,41 @@ fn runs_are_not_replaced_or_mixed_up() {
     assert_eq!(place.run("run", &["--overwrite", "--resume"]).status.code(), Some(2));
 }
 
+/// A map as a body, a mesh as a fill: another file under the same name is another scene.
+#[test]
+fn changed_maps_and_meshes_are_refused() {
+    let scene = |solid: &str| {
+        format!(
+            "version = 1\nparticle_radius = 0.05\ncache = \"maps\"\nfills = [{{ mesh = \"cube.obj\" }}]\n\
+             output = {{ frames_per_second = 0 }}\nbodies = [{{ translation = [0, -2, 0], {solid} }}]\n"
+        )
+    };
+    let place = Place::new(&scene("mesh = \"float.obj\""));
+    let [file, other] = ["float.obj", "cube.obj"].map(|name| place.folder(name));
+    std::fs::copy(&other, &file).unwrap();
+    place.succeed("first", &["--steps", "1"]);
+    let mut maps: Vec<PathBuf> =
+        std::fs::read_dir(place.folder("maps")).unwrap().map(|entry| entry.unwrap().path()).collect();
+    maps.sort();
+    let [cube, float] = maps.try_into().unwrap();
+    let map = place.folder("float.h5");
+    std::fs::copy(&float, &map).unwrap();
+    place.write(&scene("map = \"float.h5\""));
+    place.succeed("run", &["--steps", "1"]);
+    let before = place.content("run");
+    // The same shape in another asset: its source is written in it.
+    std::fs::copy(&cube, &map).unwrap();
+    let told = place.refuse("run", &["--resume", "--steps", "2"]);
+    assert!(told.contains("float.h5 has changed since the check-point"), "{told}");
+    std::fs::copy(&float, &map).unwrap();
+    std::fs::write(&other, CUBE.replace("v .5 .5 .5", "v .5 .501 .5")).unwrap();
+    let told = place.refuse("run", &["--resume", "--steps", "2"]);
+    assert!(told.contains("cube.obj has changed since the check-point"), "{told}");
+    assert!(place.content("run") == before, "left as it is");
+    std::fs::write(&other, CUBE).unwrap();
+    place.succeed("run", &["--resume", "--steps", "2"]);
+}
+
 #[test]
 fn explosions_end_with_their_cause() {
     let place = Place::new(&SCENE.replace("max = 0.002", "adaptive = false\ninitial = 0.5"));

@@ -233,3 +233,36 @@ fn missing_and_useless_files_are_named() {
     let tiny = Bake { cell_size: Some(1e-5), ..tank(true) };
     assert!(error(body(tiny)).contains("tank.obj"));
 }
+
+/// A glTF keeps its numbers in another file: a change there is another mesh.
+#[test]
+fn buffers_beside_a_mesh_belong_to_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let mesh = folder.path().join("cube.gltf");
+    let text = r#"{"asset":{"version":"2.0"},"buffers":[{"uri":"cube.bin","byteLength":168}],
+        "bufferViews":[{"buffer":0,"byteLength":96},{"buffer":0,"byteOffset":96,"byteLength":72}],
+        "accessors":[{"bufferView":0,"componentType":5126,"count":8,"type":"VEC3","min":[0,0,0],"max":[1,1,1]},
+                     {"bufferView":1,"componentType":5123,"count":36,"type":"SCALAR"}],
+        "meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],
+        "nodes":[{"mesh":0}],"scenes":[{"nodes":[0]}],"scene":0}"#;
+    std::fs::write(&mesh, text).unwrap();
+    let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5_u16]];
+    let write = |edge: f32| {
+        let corner = |n: u32| [n & 1, n >> 1 & 1, n >> 2].map(|bit| bit as f32 * edge);
+        let triangles = faces.iter().flat_map(|&[a, b, c, d]| [a, b, c, a, c, d]);
+        let mut bytes: Vec<u8> = (0..8).flat_map(corner).flat_map(f32::to_le_bytes).collect();
+        bytes.extend(triangles.flat_map(u16::to_le_bytes));
+        std::fs::write(folder.path().join("cube.bin"), bytes).unwrap();
+    };
+    let body = Body { mesh: Some(mesh), ..Body::default() };
+    let scene = Scene { bodies: vec![body], blocks: vec![cube([3.0; 3], 0.5)], ..scene(&folder) };
+    write(1.0);
+    let first = run(&scene).unwrap();
+    assert_eq!(run(&scene).unwrap().files, first.files);
+    write(0.9);
+    let second = run(&scene).unwrap();
+    assert_ne!(second.files, first.files);
+    assert_eq!(second.bodies[0].origin, Origin::Baked);
+    let at = DVec3::new(1.05, 0.5, 0.5);
+    assert_ne!(second.bodies[0].map.sample(at), first.bodies[0].map.sample(at));
+}
