@@ -46,6 +46,8 @@ use table::Table;
 
 /// How a volume becomes a density.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum ClosureKind {
     /// All the volume at the closest point: Bender et al. 2020, Eq. 14.
     Paper,
@@ -54,11 +56,11 @@ pub enum ClosureKind {
     /// Exact at a flat wall and to first order in curvature.
     #[default]
     Calibrated,
-    /// As `Calibrated`, and close to exact at convex edges.
+    /// As `calibrated`, and close to exact at convex edges.
     Wedge,
-    /// As `Calibrated`, for fluids whose particles lie in layers.
+    /// As `calibrated`, from a lattice of particles in the wall: for fluids whose particles lie in layers.
     Lattice,
-    /// As `Wedge`, from the fluid's mirror image.
+    /// As `wedge`, from the fluid's mirror image: particles rest at one particle radius from a wall, calmly.
     Mirror,
 }
 
