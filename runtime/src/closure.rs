@@ -50,6 +50,8 @@ use wall::Walls;
 
 /// How a volume becomes a density.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum ClosureKind {
     /// All the volume at the closest point: Bender et al. 2020, Eq. 14.
     Paper,
@@ -58,11 +60,12 @@ pub enum ClosureKind {
     /// Exact at a flat wall and to first order in curvature.
     #[default]
     Calibrated,
-    /// As `Calibrated`, and close to exact at convex edges.
+    /// As `calibrated`, and close to exact at convex edges.
     Wedge,
-    /// As `Calibrated`, for fluids whose particles lie in layers.
+    /// As `calibrated`, from a lattice of particles in the wall: for fluids whose particles lie in layers.
     Lattice,
-    /// From the fluid's mirror image, by maps of a quarter of the kernel's support radius.
+    /// From the fluid's mirror image, by maps of a quarter of the kernel's support radius: particles rest at one particle
+    /// radius from a wall, calmly.
     Mirror,
 }
 

@@ -8,17 +8,19 @@ use std::f64::consts::PI;
 use std::fmt;
 use std::str::FromStr;
 
-/// The shape of a kernel.
+/// SPH kernels, all scaled to the support radius.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum KernelKind {
-    /// Piecewise cubic, the usual one.
+    /// Cubic spline (Monaghan 1992), the usual one.
     #[default]
     CubicSpline,
-    /// (1 - q)^4 (4 q + 1).
+    /// Wendland's C2 function (Wendland 1995), (1 - q)^4 (4 q + 1).
     WendlandC2,
-    /// (1 - q)^3; its slope doesn't vanish at the centre.
+    /// Spiky (Mueller et al. 2003), (1 - q)^3; its slope doesn't vanish at the centre.
     Spiky,
-    /// (1 - q^2)^3.
+    /// Poly6 (Mueller et al. 2003), (1 - q^2)^3.
     Poly6,
 }
 

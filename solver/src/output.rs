@@ -20,7 +20,7 @@ pub mod statistics;
 pub mod table;
 
 pub use checkpoint::{Checkpoint, CheckpointWriter};
-pub use folder::{Output, OutputSettings};
+pub use folder::{FolderSettings, Output};
 pub use frame::{BodyFrame, Frame};
 pub use statistics::StepStatistics;
 

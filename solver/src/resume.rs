@@ -3,23 +3,51 @@
 use crate::error::Error;
 use crate::output::{Checkpoint, CheckpointWriter};
 use crate::particles::Particles;
-use crate::scene::Scene;
+use crate::scene::{Scene, SourceFile};
 use crate::simulation::Simulation;
 use std::path::Path;
 
-/// What a check-point is of. Output and end may change from one run to the next, the rest may not.
-pub fn scene_hash(scene: &Scene) -> [u8; 32] {
-    let run = Scene { output: Default::default(), stop: Default::default(), cache: None, ..scene.clone() };
-    let text = serde_json::to_vec(&run).expect("a scene is numbers and text");
-    *blake3::hash(&text).as_bytes()
+/// What a check-point is of.
+#[derive(Clone, Debug)]
+pub struct Identity {
+    /// Hash of all in the scene that a run depends on.
+    scene: [u8; 32],
+    /// The scene's maps and meshes.
+    files: Vec<SourceFile>,
+}
+
+impl Identity {
+    /// Of a scene and its files. Output and end may change from one run to the next, and folders may be moved; the rest
+    /// may not.
+    pub fn new(scene: &Scene, files: Vec<SourceFile>) -> Identity {
+        let mut run =
+            Scene { output: Default::default(), stop: Default::default(), cache: None, ..scene.clone() };
+        for path in run.paths_mut() {
+            *path = path.file_name().unwrap_or_default().into();
+        }
+        let text = serde_json::to_vec(&run).expect("a scene is numbers and text");
+        Identity { scene: *blake3::hash(&text).as_bytes(), files }
+    }
+
+    fn contents(&self) -> Vec<u8> {
+        self.files.iter().flat_map(|file| file.content).collect()
+    }
+
+    /// The first file that is not as it was.
+    fn changed(&self, contents: &[u8]) -> Option<&SourceFile> {
+        let (before, _) = contents.as_chunks::<32>();
+        let mut pairs = self.files.iter().enumerate();
+        pairs.find(|(n, file)| before.get(*n) != Some(&file.content)).map(|(_, file)| file)
+    }
 }
 
 /// Writes the state after the last step, and how many frames have been written by then.
 ///
 /// # Errors
 /// A file that can't be written.
-pub fn save(simulation: &Simulation, frames: u64, path: &Path, scene: [u8; 32]) -> Result<(), Error> {
-    let mut file = CheckpointWriter::create(path, scene)?;
+pub fn save(simulation: &Simulation, frames: u64, path: &Path, identity: &Identity) -> Result<(), Error> {
+    let mut file = CheckpointWriter::create(path, identity.scene)?;
+    file.put("files", &identity.contents())?;
     let particles = &simulation.particles;
     file.put_points("positions", &particles.positions)?;
     file.put_f32x3("velocities", &particles.velocities)?;
@@ -39,9 +67,15 @@ pub fn save(simulation: &Simulation, frames: u64, path: &Path, scene: [u8; 32]) 
 /// Reads a state into the simulation of the same scene; the number of frames that had been written.
 ///
 /// # Errors
-/// A file that can't be read, is damaged, or belongs to another scene.
-pub fn load(simulation: &mut Simulation, path: &Path, scene: [u8; 32]) -> Result<u64, Error> {
-    let file = Checkpoint::open(path, scene)?;
+/// A file that can't be read, is damaged, or belongs to another scene, or to other maps or meshes.
+pub fn load(simulation: &mut Simulation, path: &Path, identity: &Identity) -> Result<u64, Error> {
+    let file = Checkpoint::open(path, identity.scene)?;
+    if let Some(changed) = identity.changed(file.get("files")?) {
+        let changed = changed.path.display();
+        return Err(file.refuse(format!(
+            "{changed} has changed since the check-point: put the old file back, or begin with --overwrite"
+        )));
+    }
     let [step, next_id, frames] = fixed(&file, "step", file.get_u64("step")?)?;
     let [time, body_speed] = fixed(&file, "time", file.get_f64("time")?)?;
     let particles = Particles {

@@ -26,8 +26,8 @@ pub use body::{Bake, Body, FreeMotion, Keyframe, Material, Motion, Spin};
 pub use emitter::Emitter;
 pub use fluid::{Block, EmitterSettings, Fill, Nozzle};
 pub use numbers::{PerAxis, Region, Rotation};
-pub use output::{Camera, OutputSettings, Picture, StopSettings};
-pub use prepare::{Prepared, PreparedBody, prepare};
+pub use output::{OutputSettings, Picture, StopSettings};
+pub use prepare::{Prepared, PreparedBody, SourceFile, prepare};
 pub use read::{Syntax, load, parse};
 pub use summary::{Summary, check, info};
 
@@ -57,10 +57,10 @@ pub struct Scene {
     pub support_radius: Option<f64>,
     /// SPH kernel.
     #[serde(default)]
-    pub kernel: Kernel,
+    pub kernel: KernelKind,
     /// How a map's volume becomes a density.
-    #[serde(default)]
-    pub closure: Closure,
+    #[serde(default = "default_closure")]
+    pub closure: ClosureKind,
     /// Gravity, m/s^2. Default: 9.81 downwards.
     #[serde(default = "default_gravity")]
     pub gravity: [f64; 3],
@@ -97,63 +97,8 @@ pub struct Scene {
     pub stop: StopSettings,
 }
 
-/// SPH kernels, all scaled to the support radius.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum Kernel {
-    /// Cubic spline (Monaghan 1992).
-    #[default]
-    CubicSpline,
-    /// Wendland's C2 function (Wendland 1995).
-    #[serde(rename = "wendland-c2")]
-    WendlandC2,
-    /// Spiky (Mueller et al. 2003).
-    Spiky,
-    /// Poly6 (Mueller et al. 2003).
-    Poly6,
-}
-
-/// From the volume of the boundary to its density.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum Closure {
-    /// The volume at the closest point (Bender et al. 2020, Eq. 14).
-    Paper,
-    /// The volume at a point moved away from the particle, as SPlisHSPlasH has it.
-    Offset,
-    /// Exact at planes and, to first order, at curved surfaces.
-    Calibrated,
-    /// As `calibrated`, and close to exact at convex edges.
-    Wedge,
-    /// As `calibrated`, from a lattice of particles in the wall.
-    Lattice,
-    /// From the fluid's mirror image: particles rest at one particle radius from a wall, calmly.
-    #[default]
-    Mirror,
-}
-
-impl From<Kernel> for KernelKind {
-    fn from(kernel: Kernel) -> KernelKind {
-        match kernel {
-            Kernel::CubicSpline => KernelKind::CubicSpline,
-            Kernel::WendlandC2 => KernelKind::WendlandC2,
-            Kernel::Spiky => KernelKind::Spiky,
-            Kernel::Poly6 => KernelKind::Poly6,
-        }
-    }
-}
-
-impl From<Closure> for ClosureKind {
-    fn from(closure: Closure) -> ClosureKind {
-        match closure {
-            Closure::Paper => ClosureKind::Paper,
-            Closure::Offset => ClosureKind::Offset,
-            Closure::Calibrated => ClosureKind::Calibrated,
-            Closure::Wedge => ClosureKind::Wedge,
-            Closure::Lattice => ClosureKind::Lattice,
-            Closure::Mirror => ClosureKind::Mirror,
-        }
-    }
+fn default_closure() -> ClosureKind {
+    World::default().closure
 }
 
 fn default_gravity() -> [f64; 3] {
@@ -167,8 +112,8 @@ impl Default for Scene {
             version: VERSION,
             particle_radius: World::default().particle_radius,
             support_radius: None,
-            kernel: Kernel::default(),
-            closure: Closure::default(),
+            kernel: World::default().kernel,
+            closure: default_closure(),
             gravity: default_gravity(),
             domain: None,
             cache: None,
@@ -195,13 +140,20 @@ impl Scene {
         2.0 * self.particle_radius
     }
 
+    /// Paths of its maps and meshes.
+    pub(crate) fn paths_mut(&mut self) -> impl Iterator<Item = &mut PathBuf> {
+        let bodies = self.bodies.iter_mut().flat_map(|body| [&mut body.map, &mut body.mesh]);
+        let fills = self.fills.iter_mut().flat_map(|fill| [&mut fill.map, &mut fill.mesh]);
+        bodies.chain(fills).flatten()
+    }
+
     /// What the solver needs of it all the time.
     pub fn world(&self) -> World {
         World {
             particle_radius: self.particle_radius,
             support_radius: self.support_radius(),
-            kernel: self.kernel.into(),
-            closure: self.closure.into(),
+            kernel: self.kernel,
+            closure: self.closure,
             gravity: self.gravity.into(),
         }
     }

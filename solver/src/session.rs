@@ -3,7 +3,7 @@
 use crate::assemble::assemble;
 use crate::error::Error;
 use crate::output::{self, BodyFrame, Frame, Output, StepStatistics};
-use crate::resume;
+use crate::resume::{self, Identity};
 use crate::scene::{self, Picture, Prepared, PreparedBody, Scene};
 use crate::simulation::{Simulation, StepReport};
 use crate::stages::Stages;
@@ -31,7 +31,7 @@ pub struct Session {
     simulation: Simulation,
     output: Output,
     scene: Scene,
-    hash: [u8; 32],
+    identity: Identity,
     folder: PathBuf,
     end: f64,
     last_step: Option<u64>,
@@ -69,13 +69,13 @@ impl Session {
         let scene = scene::load(path)?;
         let prepared = scene::prepare(&scene, on_bake)?;
         let notes = prepared.notes.clone();
+        let identity = Identity::new(&scene, prepared.files.clone());
         let meshes = body_meshes(&prepared.bodies);
         let world = picture_world(&scene, &prepared, &meshes);
         let names: Vec<String> = prepared.bodies.iter().map(|body| body.name.clone()).collect();
         let mut simulation = Simulation::new(assemble(&scene, prepared)?);
-        let hash = resume::scene_hash(&scene);
         let start = if settings.resume {
-            let frames = resume::load(&mut simulation, &checkpoint, hash)?;
+            let frames = resume::load(&mut simulation, &checkpoint, &identity)?;
             Some(output::folder::Start { step: simulation.steps(), frames })
         } else {
             None
@@ -94,7 +94,7 @@ impl Session {
             .zip(&meshes)
             .filter_map(|(name, mesh)| Some((name.as_str(), mesh.as_deref()?)))
             .collect();
-        let output = Output::open(folder, &output_settings(&scene), world, &meshes, start)?;
+        let output = Output::open(folder, &folder_settings(&scene), world, &meshes, start)?;
         let interval = scene.output.checkpoint_interval;
         let mut session = Session {
             next_checkpoint: simulation.time() + interval,
@@ -104,7 +104,7 @@ impl Session {
             simulation,
             output,
             scene,
-            hash,
+            identity,
             notes,
         };
         if !settings.resume {
@@ -122,9 +122,10 @@ impl Session {
         go_on: &mut dyn FnMut(&Progress) -> bool,
     ) -> Result<output::statistics::Summary, Error> {
         while !self.is_done() {
+            let before = self.simulation.time();
             let report = self.simulation.step()?;
             let writing = Instant::now();
-            self.write_frame_if_due()?;
+            self.write_frame_if_due(before)?;
             let statistics = statistics(&self.simulation, &report, writing.elapsed());
             if self.scene.output.statistics {
                 self.output.step(&statistics)?;
@@ -139,15 +140,17 @@ impl Session {
         self.output.finish()
     }
 
-    fn is_done(&self) -> bool {
+    /// Whether the run has come to its end, and wasn't stopped before.
+    pub fn is_done(&self) -> bool {
         self.simulation.time() >= self.end - 1e-12
             || self.last_step.is_some_and(|last| self.simulation.steps() >= last)
     }
 
-    fn write_frame_if_due(&mut self) -> Result<(), Error> {
-        let rate = self.scene.output.frames_per_second;
+    /// A frame, if the last step, which began at `before`, came to or over a multiple of the frames' interval.
+    fn write_frame_if_due(&mut self, before: f64) -> Result<(), Error> {
         // The tolerance is for times that are sums of steps.
-        if rate > 0.0 && self.simulation.time() * rate >= self.output.frames() as f64 - 1e-9 {
+        let intervals = |time: f64| (time * self.scene.output.frames_per_second + 1e-9).floor();
+        if intervals(self.simulation.time()) > intervals(before) {
             self.write_frame()?;
         }
         Ok(())
@@ -194,7 +197,7 @@ impl Session {
     }
 
     fn checkpoint(&self) -> Result<(), Error> {
-        resume::save(&self.simulation, self.output.frames(), &self.folder.join(CHECKPOINT), self.hash)
+        resume::save(&self.simulation, self.output.frames(), &self.folder.join(CHECKPOINT), &self.identity)
     }
 
     /// The simulation.
@@ -221,18 +224,13 @@ fn ignore_missing(error: std::io::Error) -> std::io::Result<()> {
     if error.kind() == std::io::ErrorKind::NotFound { Ok(()) } else { Err(error) }
 }
 
-fn output_settings(scene: &Scene) -> output::OutputSettings {
+fn folder_settings(scene: &Scene) -> output::FolderSettings {
     let settings = &scene.output;
-    let camera = settings.camera.as_ref().map(|camera| output::picture::Camera {
-        from: camera.position,
-        to: camera.target,
-        angle: camera.field_of_view,
-    });
     let frames_per_second = settings.frames_per_second.round().clamp(1.0, 1000.0) as u16;
-    output::OutputSettings {
+    output::FolderSettings {
         particles: settings.formats.clone(),
         pictures: !settings.preview.is_empty(),
-        picture: output::picture::PictureSettings { camera, ..Default::default() },
+        picture: output::picture::PictureSettings { camera: settings.camera.clone(), ..Default::default() },
         animate: settings.preview.contains(&Picture::Apng),
         animation: output::animation::AnimationSettings { frames_per_second, ..Default::default() },
     }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::Duration;
 use tempfile::TempDir;
+use volmap_solver::session::{RunSettings, Session};
 
 /// Water and a jet in a tank of 1 m, with a cube that floats; two blocks overlap.
 const SCENE: &str = r#"
@@ -42,7 +43,7 @@ motion = { free = { density = 400.0 } }
 max = 0.002
 
 [output]
-frames_per_second = 50.0
+frames_per_second = 20.0
 preview = ["png"]
 checkpoint_interval = 0.03
 
@@ -129,7 +130,11 @@ impl Place {
 
     /// One column of stats.csv.
     fn column(&self, name: &str, column: &str) -> Vec<f64> {
-        let mut table = csv::Reader::from_path(self.folder(name).join("stats.csv")).unwrap();
+        self.column_of(name, "stats.csv", column)
+    }
+
+    fn column_of(&self, name: &str, table: &str, column: &str) -> Vec<f64> {
+        let mut table = csv::Reader::from_path(self.folder(name).join(table)).unwrap();
         let at = table.headers().unwrap().iter().position(|header| header == column).unwrap();
         table.records().map(|row| row.unwrap()[at].parse().unwrap()).collect()
     }
@@ -187,7 +192,7 @@ fn bytes_do_not_depend_on_threads() {
     let files = place.content("1");
     assert!(
         files.contains_key(Path::new("checkpoint"))
-            && files.contains_key(Path::new("particles/frame_000005.vtu"))
+            && files.contains_key(Path::new("particles/frame_000002.vtu"))
     );
     place.assert_same("1", "2");
     place.assert_same("1", "4");
@@ -261,6 +266,77 @@ fn runs_are_not_replaced_or_mixed_up() {
     place.assert_same("run", "fresh");
     assert_eq!(place.run("run", &["--overwrite", "--until", "nan"]).status.code(), Some(2));
     assert_eq!(place.run("run", &["--overwrite", "--resume"]).status.code(), Some(2));
+}
+
+/// A rate that is raised on the way gives no frames for the time before, one that is lowered no gap.
+#[test]
+fn frames_lie_at_multiples_of_their_interval() {
+    let scene = |rate: f64| {
+        format!(
+            "version = 1\nparticle_radius = 0.05\nblocks = [{{ min = [0, 0, 0], max = [0.3, 0.3, 0.3] }}]\n\
+             solver.time_step = {{ adaptive = false, initial = 0.002 }}\n\
+             output = {{ frames_per_second = {rate}, formats = [], preview = [] }}\n"
+        )
+    };
+    let place = Place::new(&scene(25.0));
+    place.succeed("out", &["--until", "0.1"]);
+    place.write(&scene(100.0));
+    place.succeed("out", &["--resume", "--until", "0.15"]);
+    place.write(&scene(10.0));
+    place.succeed("out", &["--resume", "--until", "0.35"]);
+    let times: Vec<u64> =
+        place.column_of("out", "frames.csv", "time").iter().map(|time| (1e3 * time).round() as u64).collect();
+    assert_eq!(times, [0, 40, 80, 110, 120, 130, 140, 150, 200, 300]);
+}
+
+/// Whoever says stop in the last step stops nothing.
+#[test]
+fn a_run_is_done_at_its_end_and_not_before() {
+    let place = Place::new(
+        "version = 1\nparticle_radius = 0.05\nblocks = [{ min = [0, 0, 0], max = [0.3, 0.3, 0.3] }]\n",
+    );
+    let settings = RunSettings { steps: Some(3), ..RunSettings::default() };
+    let path = place.folder("scene.toml");
+    let mut session = Session::open(&path, &place.folder("out"), &settings, &mut |_| ()).unwrap();
+    session.run(&mut |progress| progress.statistics.step < 2).unwrap();
+    assert!(!session.is_done());
+    session.run(&mut |progress| progress.statistics.step < 3).unwrap();
+    assert!(session.is_done());
+}
+
+/// A map as a body, a mesh as a fill: another file under the same name is another scene.
+#[test]
+fn changed_maps_and_meshes_are_refused() {
+    let scene = |solid: &str| {
+        format!(
+            "version = 1\nparticle_radius = 0.1\ncache = \"maps\"\nfills = [{{ mesh = \"cube.obj\" }}]\n\
+             output = {{ frames_per_second = 0 }}\nbodies = [{{ translation = [0, -2, 0], {solid} }}]\n"
+        )
+    };
+    let place = Place::new(&scene("mesh = \"float.obj\""));
+    let [file, other] = ["float.obj", "cube.obj"].map(|name| place.folder(name));
+    std::fs::copy(&other, &file).unwrap();
+    place.succeed("first", &["--steps", "1"]);
+    let mut maps: Vec<PathBuf> =
+        std::fs::read_dir(place.folder("maps")).unwrap().map(|entry| entry.unwrap().path()).collect();
+    maps.sort();
+    let [cube, float] = maps.try_into().unwrap();
+    let map = place.folder("float.h5");
+    std::fs::copy(&float, &map).unwrap();
+    place.write(&scene("map = \"float.h5\""));
+    place.succeed("run", &["--steps", "1"]);
+    let before = place.content("run");
+    // The same shape in another asset: its source is written in it.
+    std::fs::copy(&cube, &map).unwrap();
+    let told = place.refuse("run", &["--resume", "--steps", "2"]);
+    assert!(told.contains("float.h5 has changed since the check-point"), "{told}");
+    std::fs::copy(&float, &map).unwrap();
+    std::fs::write(&other, CUBE.replace("v .5 .5 .5", "v .5 .501 .5")).unwrap();
+    let told = place.refuse("run", &["--resume", "--steps", "2"]);
+    assert!(told.contains("cube.obj has changed since the check-point"), "{told}");
+    assert!(place.content("run") == before, "left as it is");
+    std::fs::write(&other, CUBE).unwrap();
+    place.succeed("run", &["--resume", "--steps", "2"]);
 }
 
 #[test]

@@ -1,4 +1,5 @@
-//! The flow experiments of `volmap-sim validate` in short, with bounds of their physics.
+//! The flow experiments of `volmap-sim validate` in short, with bounds of their physics. They take a minute: the feature
+//! `long` has them.
 
 use volmap_solver::validation::{Experiment, Outcome, Run, dam_break, floats, grid, incline, sphere};
 

@@ -280,7 +280,7 @@ fn a_drop_sticks_to_an_upright_plate() {
     let (loose, stuck, rubbed) = (fall(0.0, 0.0), fall(20.0, 0.0), fall(0.0, 20.0));
     assert!((loose / free - 1.0).abs() < 0.04, "{loose} of {free}");
     assert!(stuck < 0.1 * free, "{stuck} of {free}");
-    assert!(rubbed < 0.1 * free, "tangential friction holds as well: {rubbed} of {free}");
+    assert!(rubbed < 0.15 * free, "tangential friction holds as well: {rubbed} of {free}");
 }
 
 /// One layer of particles on a plane, each alone: v (1 + dt lambda)^-n, lambda by Eq. 19 for a half space's volume.

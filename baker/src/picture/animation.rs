@@ -1,7 +1,7 @@
 //! Animated PNG files (third edition of the PNG standard, W3C 2025), written picture by picture: of each only the
 //! rectangle that changed. Programs that know nothing of animations show the first picture.
 
-use super::png::{SIGNATURE, chunk, compressed};
+use super::png::{Effort, SIGNATURE, chunk, compressed};
 use std::io::{self, Write};
 
 /// Pictures of one size, one after the other, without end.
@@ -54,7 +54,7 @@ impl<W: Write> Animation<W> {
         chunk(&mut bytes, b"fcTL", &control);
         let rows = rgb.chunks(3 * width).skip(top).take(down);
         let part: Vec<u8> = rows.flat_map(|row| &row[3 * left..3 * (left + across)]).copied().collect();
-        let data = compressed(&part, 3 * across);
+        let data = compressed(&part, 3 * across, Effort::Small);
         if first {
             chunk(&mut bytes, b"IDAT", &data);
         } else {

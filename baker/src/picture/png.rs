@@ -8,11 +8,20 @@ use std::io::{Read, Write};
 const DENSITY: u32 = 11_811;
 pub(super) const SIGNATURE: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
 
-/// A PNG file of `width` x `height` pixels, red, green, blue, from the upper row down.
+/// How files are compressed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Effort {
+    /// Small, in some 40 ms a megapixel.
+    Small,
+    /// Fast.
+    Fast,
+}
+
+/// A PNG file of width x height pixels, red, green, blue, from the upper row down.
 ///
 /// # Panics
 /// If there aren't 3 bytes a pixel.
-pub fn encode(width: u32, height: u32, rgb: &[u8]) -> Vec<u8> {
+pub fn encode([width, height]: [u32; 2], rgb: &[u8], effort: Effort) -> Vec<u8> {
     let row = 3 * width as usize;
     assert_eq!(rgb.len(), row * height as usize, "three bytes a pixel");
     let mut out = SIGNATURE.to_vec();
@@ -21,14 +30,18 @@ pub fn encode(width: u32, height: u32, rgb: &[u8]) -> Vec<u8> {
     header.extend([8, 2, 0, 0, 0]);
     chunk(&mut out, b"IHDR", &header);
     chunk(&mut out, b"pHYs", &[&DENSITY.to_be_bytes()[..], &DENSITY.to_be_bytes(), &[1]].concat());
-    chunk(&mut out, b"IDAT", &compressed(rgb, row));
+    chunk(&mut out, b"IDAT", &compressed(rgb, row, effort));
     chunk(&mut out, b"IEND", &[]);
     out
 }
 
 /// Filtered and compressed rows of `row` bytes.
-pub(super) fn compressed(rgb: &[u8], row: usize) -> Vec<u8> {
-    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::new(6));
+pub(super) fn compressed(rgb: &[u8], row: usize, effort: Effort) -> Vec<u8> {
+    let level = match effort {
+        Effort::Small => 6,
+        Effort::Fast => 1,
+    };
+    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::new(level));
     let mut above = vec![0; row];
     for line in rgb.chunks(row.max(1)) {
         encoder.write_all(&filtered(line, &above)).expect("a vector takes all");
@@ -114,7 +127,7 @@ mod tests {
     fn rows_come_back() {
         let (width, height) = (7, 5);
         let rgb: Vec<u8> = (0..3 * width * height).map(|n| (n * n % 251) as u8).collect();
-        let file = encode(width, height, &rgb);
+        let file = encode([width, height], &rgb, Effort::Small);
         assert_eq!(size(&file), Some([7, 5]));
         let start = file.windows(4).position(|w| w == b"IDAT").unwrap();
         let length = u32::from_be_bytes(file[start - 4..start].try_into().unwrap()) as usize;
@@ -132,6 +145,7 @@ mod tests {
             }
         }
         assert_eq!(back, rgb);
+        assert_eq!(decode(&encode([width, height], &rgb, Effort::Fast)), Some(([7, 5], rgb.clone())));
         assert_eq!(decode(&file), Some(([7, 5], rgb)));
         for length in 0..file.len() - 12 {
             assert_eq!(decode(&file[..length]), None, "{length} bytes");

@@ -3,8 +3,6 @@
 
 use super::io_error;
 use crate::error::Error;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 use std::io::{BufWriter, Error as IoError, ErrorKind};
 use std::path::{Path, PathBuf};
 use volmap_baker::picture::animation::{Animation, smaller};
@@ -12,8 +10,7 @@ use volmap_baker::picture::png;
 use volmap_formats::asset::NewFile;
 
 /// An animation.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct AnimationSettings {
     /// Pictures a second.
     pub frames_per_second: u16,

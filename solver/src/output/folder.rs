@@ -9,16 +9,14 @@ use super::statistics::{StepStatistics, Summary, summarise};
 use super::table::Table;
 use super::{Frame, io_error, publish};
 use crate::error::Error;
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use volmap_formats::mesh::TriangleMesh;
 
 /// What is written.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct OutputSettings {
+#[derive(Clone, Debug, PartialEq)]
+pub struct FolderSettings {
     /// Formats of the particles' files.
     pub particles: Vec<ParticleFormat>,
     /// Whether each frame is drawn.
@@ -31,9 +29,9 @@ pub struct OutputSettings {
     pub animation: AnimationSettings,
 }
 
-impl Default for OutputSettings {
+impl Default for FolderSettings {
     fn default() -> Self {
-        OutputSettings {
+        FolderSettings {
             particles: vec![ParticleFormat::Vtu],
             pictures: true,
             picture: PictureSettings::default(),
@@ -59,7 +57,7 @@ pub struct FrameRow {
 /// Writes a run into its folder.
 pub struct Output {
     folder: PathBuf,
-    settings: OutputSettings,
+    settings: FolderSettings,
     painter: Option<Painter>,
     steps: Table<StepStatistics>,
     frames: Table<FrameRow>,
@@ -91,7 +89,7 @@ impl Output {
     /// A folder or file that can't be written.
     pub fn open(
         folder: &Path,
-        settings: &OutputSettings,
+        settings: &FolderSettings,
         world: World,
         bodies: &[(&str, &TriangleMesh)],
         start: Option<Start>,

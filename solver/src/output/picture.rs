@@ -28,10 +28,8 @@ use super::Frame;
 use bands::BAND;
 use glam::Vec3;
 use rayon::prelude::*;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 use shade::{Light, Scenery};
-use splat::{Fluid, Splat};
+use splat::{Fluid, Layer, Splat};
 use triangles::{Sides, Solid, Triangle};
 use view::View;
 use volmap_baker::picture::ColourMap;
@@ -40,8 +38,7 @@ use volmap_baker::summary::thousands;
 use volmap_runtime::Pose;
 
 /// How frames are drawn.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct PictureSettings {
     /// Pixels across, 64 to 8,192.
     pub width: u32,
@@ -58,8 +55,7 @@ pub struct PictureSettings {
 }
 
 /// How the fluid looks.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Style {
     /// A smooth surface.
     #[default]
@@ -69,8 +65,7 @@ pub enum Style {
 }
 
 /// What the fluid's colour stands for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ColourBy {
     /// Speed, m/s.
     #[default]
@@ -244,7 +239,6 @@ impl Painter {
         };
         let [width, height] = view.size;
         let (fluid, behind) = (&mut self.fluid, &mut self.behind);
-        fluid.clear();
         fluid.resize(width * height, Fluid::NONE);
         behind.resize(
             width * height,
@@ -255,9 +249,11 @@ impl Painter {
         let bands = fluid.par_chunks_mut(BAND * width).zip(behind.par_chunks_mut(BAND * width)).enumerate();
         bands.for_each(|(band, (fluid, behind))| {
             layers.draw_behind(band, &sorted.0, behind);
+            let mut layer = Layer::new(behind.iter().map(Behind::farthest).collect());
             for ball in sorted.1.of(band) {
-                layers.balls[ball].draw(band, [width, height], radius, fluid, |at| behind[at].farthest());
+                layers.balls[ball].draw(band, [width, height], radius, &mut layer);
             }
+            layer.store(fluid);
         });
     }
 
@@ -304,7 +300,7 @@ impl Painter {
             overlay::draw_edges(&mut canvas, &self.view, &prop.model, pose);
         }
         overlay::draw(&mut canvas, [width as f64, height as f64], &self.legend(frame));
-        canvas.to_png()
+        canvas.to_preview()
     }
 
     fn pixel(&self, light: &Light, [column, row]: [usize; 2], table: &[Vec3], particle_radius: f32) -> Vec3 {
@@ -373,19 +369,23 @@ impl Layers<'_> {
     /// Bodies and ground, with light, in samples.
     fn draw_behind(&self, band: usize, sorted: &bands::Bands, out: &mut [Behind]) {
         let fine = &self.scenery.light.view;
+        let mut solid = Vec::new();
         for part in 0..FINER {
             let fine_band = FINER * band + part;
             let first = fine_band * BAND;
             let rows = BAND.min(fine.size[1].saturating_sub(first));
-            let mut solid = vec![Solid::NONE; rows * fine.size[0]];
-            if rows > 0 {
+            solid.clear();
+            // Where nothing is drawn, nothing is looked up.
+            if rows > 0 && sorted.of(fine_band).next().is_some() {
+                solid.resize(rows * fine.size[0], Solid::NONE);
                 sorted.of(fine_band).for_each(|face| self.faces[face].draw(fine_band, fine, &mut solid));
             }
             let above = (fine_band * BAND / FINER - band * BAND) * self.width;
-            for (n, pixel) in out.iter_mut().skip(above).take(solid.len() / (FINER * FINER)).enumerate() {
+            for (n, pixel) in out.iter_mut().skip(above).take(rows / FINER * self.width).enumerate() {
                 let (column, row) = (FINER * (n % self.width), FINER * (n / self.width));
                 let places = [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[x, y]| [column + x, row + y]);
-                let samples = places.map(|[x, y]| solid[y * fine.size[0] + x]);
+                let sample = |[x, y]: [usize; 2]| solid.get(y * fine.size[0] + x).copied();
+                let samples = places.map(|place| sample(place).unwrap_or(Solid::NONE));
                 *pixel = self.lit(places.map(|[x, y]| [x, first + y]), samples);
             }
         }

@@ -42,7 +42,8 @@ pub fn run_simulate(arguments: &RunArguments) -> Result<()> {
     if !arguments.quiet {
         print(&summary, &arguments.output);
     }
-    if stop.load(Ordering::Relaxed) {
+    // A signal in the last step stops nothing.
+    if !session.is_done() {
         anyhow::bail!("stopped; --resume goes on from here");
     }
     Ok(())

@@ -2,13 +2,14 @@
 
 use super::body::{Bake, Source, Up};
 use crate::error::Error;
+use crate::output::io_error;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use volmap_baker::bake::{BakeSettings, bake};
 use volmap_baker::input::{self, Input, InputSettings};
 use volmap_baker::plan::{GridChoice, Settings};
 use volmap_formats::asset::{self, Compression, Exterior, FORMAT_VERSION};
-use volmap_formats::mesh::{self, Placement, TriangleMesh, UpAxis};
+use volmap_formats::mesh::{Placement, TriangleMesh, UpAxis};
 use volmap_runtime::{ClosureKind, VolumeMap};
 
 /// Part by which a map's support radius may differ from the scene's: other programs store it in single
@@ -24,6 +25,8 @@ pub struct Shape {
     pub mesh: Option<Arc<TriangleMesh>>,
     /// Where the map comes from.
     pub origin: Origin,
+    /// BLAKE3 of what its file holds: the map's bytes, or the mesh's with what was read of the files that it names.
+    pub content: [u8; 32],
 }
 
 /// Where a map comes from.
@@ -97,9 +100,7 @@ impl<'a> Library<'a> {
             return Ok(shape.clone());
         }
         let shape = match source {
-            Source::Map(path) => {
-                Shape { map: Arc::new(VolumeMap::open(path)?), mesh: None, origin: Origin::Asset }
-            }
+            Source::Map(path) => open_asset(path)?,
             Source::Mesh(path, settings) => self.bake_or_open(path, settings)?,
         };
         self.shapes.push((identity, shape.clone()));
@@ -141,16 +142,16 @@ impl<'a> Library<'a> {
 
     fn bake_or_open(&mut self, path: &Path, settings: &Bake) -> Result<Shape, Error> {
         let (placing, baking) = (input_settings(settings), self.bake_settings(settings));
-        let bytes = mesh::read_bytes(path).map_err(volmap_baker::Error::from)?;
-        let cached = self.cache.join(cached_name(path, &bytes, &format!("{placing:?} {baking:?}")));
-        let mut input = input::from_bytes(path, bytes, &placing)?;
+        let mut input = input::load(path, &placing)?;
+        let content = mesh_content(&input);
+        let cached = self.cache.join(cached_name(path, &content, &format!("{placing:?} {baking:?}")));
         let opened = cached.is_file().then(|| VolumeMap::open(&cached).ok()).flatten();
         let (map, origin) = match opened {
             Some(map) => (map, Origin::Cache),
             None => (self.baked(path, &cached, input.clone(), &baking)?, Origin::Baked),
         };
         volmap_baker::mesh::prepare(&mut input.mesh, baking.keep_orientation);
-        Ok(Shape { map: Arc::new(map), mesh: Some(Arc::new(input.mesh)), origin })
+        Ok(Shape { map: Arc::new(map), mesh: Some(Arc::new(input.mesh)), origin, content })
     }
 
     /// Bakes, and keeps what came of it if it can.
@@ -228,13 +229,40 @@ fn input_settings(settings: &Bake) -> InputSettings {
     }
 }
 
-/// By content: the mesh's bytes, all that the bake depends on, the program.
-fn cached_name(path: &Path, bytes: &[u8], settings: &str) -> String {
+fn open_asset(path: &Path) -> Result<Shape, Error> {
+    let bytes = std::fs::read(path).map_err(io_error(path))?;
+    let content = *blake3::hash(&bytes).as_bytes();
+    let in_file = |source| volmap_runtime::Error::InFile { path: path.to_owned(), source: Box::new(source) };
+    let map = VolumeMap::from_bytes(bytes).map_err(in_file)?;
+    Ok(Shape { map: Arc::new(map), mesh: None, origin: Origin::Asset, content })
+}
+
+/// Of the file and of the mesh, to which a glTF's buffers in other files belong.
+fn mesh_content(input: &Input) -> [u8; 32] {
+    /// Vertices or triangles that are hashed at a time.
+    const CHUNK: usize = 4096;
     let mut hasher = blake3::Hasher::new();
-    let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-    let rest = format!("{} {} {extension} {settings} ", env!("CARGO_PKG_VERSION"), FORMAT_VERSION);
+    hasher.update(input.source.blake3.as_bytes());
+    let mut bytes = Vec::new();
+    for chunk in input.mesh.vertices.chunks(CHUNK) {
+        bytes.clear();
+        bytes.extend(chunk.as_flattened().iter().flat_map(|x| x.to_le_bytes()));
+        hasher.update(&bytes);
+    }
+    for chunk in input.mesh.triangles.chunks(CHUNK) {
+        bytes.clear();
+        bytes.extend(chunk.as_flattened().iter().flat_map(|index| index.to_le_bytes()));
+        hasher.update(&bytes);
+    }
+    *hasher.finalize().as_bytes()
+}
+
+/// By the mesh's content, all that the bake depends on, the program.
+fn cached_name(path: &Path, content: &[u8; 32], settings: &str) -> String {
+    let mut hasher = blake3::Hasher::new();
+    let rest = format!("{} {} {settings} ", env!("CARGO_PKG_VERSION"), FORMAT_VERSION);
     hasher.update(rest.as_bytes());
-    hasher.update(bytes);
+    hasher.update(content);
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     format!("{stem}-{}.h5", &hasher.finalize().to_hex()[..24])
 }

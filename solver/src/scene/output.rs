@@ -2,6 +2,7 @@
 
 use super::check::{At, Checked};
 use crate::output::particles::ParticleFormat;
+use crate::output::picture::Camera;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -31,23 +32,6 @@ pub enum Picture {
     Png,
     /// All frames in one file that moves.
     Apng,
-}
-
-/// Where pictures are seen from.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Camera {
-    /// Its place, metres.
-    pub position: [f64; 3],
-    /// What it looks at, metres.
-    pub target: [f64; 3],
-    /// Angle from the picture's lower to its upper edge, degrees. Default: 40.
-    #[serde(default = "field_of_view")]
-    pub field_of_view: f64,
-}
-
-fn field_of_view() -> f64 {
-    40.0
 }
 
 /// When a run ends: at the first of these.

@@ -7,7 +7,7 @@ use super::map::{Library, Origin, Shape, default_cache};
 use super::overlap::{BODY_MARGIN, drop_in_bodies};
 use super::sources::{self, Particles, Solid, SourceCount};
 use crate::error::Error;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use volmap_baker::mesh::diagnose;
 use volmap_baker::sdf::{MeshDistance, SignMethod};
@@ -23,8 +23,19 @@ pub struct Prepared {
     pub particles: Particles,
     /// Nozzles in the scene's order.
     pub emitters: Vec<Emitter>,
+    /// Files of the bodies and of the fills, in the scene's order.
+    pub files: Vec<SourceFile>,
     /// What a careful person would look at.
     pub notes: Vec<String>,
+}
+
+/// A file that the scene names, as it was when it was read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SourceFile {
+    /// Where it is.
+    pub path: PathBuf,
+    /// BLAKE3 of its content: see [`Shape::content`].
+    pub content: [u8; 32],
 }
 
 /// A body with its map.
@@ -59,11 +70,13 @@ impl PreparedBody {
 pub fn prepare(scene: &Scene, on_bake: &mut dyn FnMut(&Path)) -> Result<Prepared, Error> {
     scene.validate()?;
     let cache = scene.cache.clone().unwrap_or_else(default_cache);
-    let mut library = Library::new(scene.closure.into(), scene.support_radius(), cache, on_bake);
-    let mut bodies = Vec::new();
+    let mut library = Library::new(scene.closure, scene.support_radius(), cache, on_bake);
+    let (mut bodies, mut files) = (Vec::new(), Vec::new());
     for (i, (settings, name)) in scene.bodies.iter().zip(body::names(&scene.bodies)).enumerate() {
         let key = format!("bodies[{i}]");
-        let Shape { map, mesh, origin } = library.obtain_for_body(given(settings.source(), &key)?, &key)?;
+        let source = given(settings.source(), &key)?;
+        let Shape { map, mesh, origin, content } = library.obtain_for_body(source, &key)?;
+        files.push(SourceFile { path: source.path().to_owned(), content });
         bodies.push(PreparedBody {
             name,
             map,
@@ -76,7 +89,9 @@ pub fn prepare(scene: &Scene, on_bake: &mut dyn FnMut(&Path)) -> Result<Prepared
     let mut fills = Vec::new();
     for (i, fill) in scene.fills.iter().enumerate() {
         let key = format!("fills[{i}]");
-        let Shape { map, mesh, .. } = library.obtain(given(fill.source(), &key)?, &key)?;
+        let source = given(fill.source(), &key)?;
+        let Shape { map, mesh, content, .. } = library.obtain(source, &key)?;
+        files.push(SourceFile { path: source.path().to_owned(), content });
         let mesh = mesh.map(|mesh| MeshDistance::new(&mesh, SignMethod::Auto, &diagnose(&mesh)));
         let map = PosedMap { map, pose: fill.pose() };
         fills.push(Solid { map, mesh, thickness: fill.bake.thickness });
@@ -89,7 +104,7 @@ pub fn prepare(scene: &Scene, on_bake: &mut dyn FnMut(&Path)) -> Result<Prepared
     check_not_empty(scene, &particles)?;
     notes.extend(particles.counts.iter().filter_map(left_out));
     notes.extend(emitters.iter().enumerate().filter_map(|(i, emitter)| blocked(i, emitter, &posed, scene)));
-    Ok(Prepared { bodies, particles, emitters, notes })
+    Ok(Prepared { bodies, particles, emitters, files, notes })
 }
 
 fn given<'a>(source: Option<Source<'a>>, key: &str) -> Result<Source<'a>, Error> {

@@ -154,8 +154,7 @@ fn nearest<'a>(name: &str, known: &[&'a str]) -> Vec<&'a str> {
 }
 
 fn resolve(scene: &mut Scene, folder: &Path) {
-    let bodies = scene.bodies.iter_mut().flat_map(|body| [&mut body.map, &mut body.mesh]);
-    let fills = scene.fills.iter_mut().flat_map(|fill| [&mut fill.map, &mut fill.mesh]);
     let join = |path: &mut PathBuf| *path = folder.join(&*path);
-    bodies.chain(fills).chain([&mut scene.cache]).flatten().for_each(join);
+    scene.cache.iter_mut().for_each(join);
+    scene.paths_mut().for_each(join);
 }

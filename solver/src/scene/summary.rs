@@ -13,10 +13,14 @@ use std::fmt::{self, Display, Formatter};
 use std::path::Path;
 use volmap_baker::summary::{bytes, thousands};
 
-/// Bytes that the solver holds for a particle, with its neighbours, about.
-const BYTES_PER_PARTICLE: u64 = 600;
-/// Seconds of one core per particle and step of some ten iterations, about.
-const SECONDS_PER_PARTICLE: f64 = 1.5e-6;
+/// The largest memory of a run over its particles, measured at 1 to 3 million (640 to 720: solver/BENCHMARKS.md); a run of
+/// few takes some 30 MB more.
+const BYTES_PER_PARTICLE: u64 = 700;
+/// Seconds a particle and step, measured at 60 thousand to 3 million (0.75 to 1.25e-6: solver/BENCHMARKS.md) with
+/// [`ITERATIONS`] on two threads of one core of an AMD EPYC (Zen 3). Other scenes and machines are several times off.
+const SECONDS_PER_PARTICLE: f64 = 1e-6;
+/// Iterations of both solves together that `SECONDS_PER_PARTICLE` is for.
+const ITERATIONS: u32 = 8;
 
 /// What is in a scene.
 #[derive(Clone, Debug, Serialize)]
@@ -35,9 +39,10 @@ pub struct Summary {
     pub sources: Vec<SourceFacts>,
     /// Bodies.
     pub bodies: Vec<BodyFacts>,
-    /// Memory of the run, about, bytes; without maps that aren't opened.
+    /// Estimate of the run's largest memory with the particles of the start, bytes; without maps that aren't opened.
     pub memory: u64,
-    /// Seconds of a step on one core, about, with the particles of the start.
+    /// Estimate of a step with the particles of the start and 8 iterations, on the two threads of one core that it was
+    /// measured on, seconds.
     pub step_seconds: f64,
     /// Simulated seconds.
     pub end: f64,
@@ -140,9 +145,6 @@ pub fn summarize(scene: &Scene, prepared: &Prepared, path: &Path) -> Summary {
 }
 
 fn outline(scene: &Scene, path: &Path) -> Summary {
-    let word = |value: serde_json::Result<serde_json::Value>| {
-        value.ok().and_then(|value| Some(value.as_str()?.to_owned())).unwrap_or_default()
-    };
     let body = |(body, name): (&body::Body, String)| BodyFacts {
         name,
         file: body.source().map(|source| source.path().display().to_string()).unwrap_or_default(),
@@ -158,7 +160,7 @@ fn outline(scene: &Scene, path: &Path) -> Summary {
         scene: path.display().to_string(),
         particle_radius: scene.particle_radius,
         support_radius: scene.support_radius(),
-        methods: [word(serde_json::to_value(scene.kernel)), word(serde_json::to_value(scene.closure))],
+        methods: [scene.kernel.to_string(), scene.closure.to_string()],
         particles: None,
         sources: Vec::new(),
         bodies: scene.bodies.iter().zip(body::names(&scene.bodies)).map(body).collect(),
@@ -214,7 +216,11 @@ impl Display for Summary {
             }
         }
         let step = 1e3 * self.step_seconds;
-        writeln!(f, "cost       about {} of memory, {step:.0} ms a step on one core", bytes(self.memory))?;
+        writeln!(
+            f,
+            "cost       about {} of memory, {step:.0} ms a step of {ITERATIONS} iterations on two threads of one core",
+            bytes(self.memory)
+        )?;
         write!(f, "end        {} s", self.end)?;
         self.notes.iter().try_for_each(|note| write!(f, "\nnote       {note}"))
     }

@@ -184,7 +184,7 @@ fn the_solve_is_that_of_the_dense_matrix() {
     for locked in [false, true] {
         let scene = scene(&shape, locked, 60);
         let touching = |body: u32| scene.boundary.drags().filter(|drag| drag.body == body).count();
-        assert!(touching(0) > 10 && touching(1) > 3, "{} {}", touching(0), touching(1));
+        assert!(touching(0) > 10 && touching(1) > 1, "{} {}", touching(0), touching(1));
         let exact = scene.dense_solution();
         let (report, velocities, forces) = scene.solve(&EXACTLY);
         assert!(report.error <= EXACTLY.max_error && report.iterations > 3, "{report:?}");

@@ -7,13 +7,13 @@ use volmap_formats::mesh::{MeshFormat, read_mesh_bytes};
 use volmap_solver::output::folder::Start;
 use volmap_solver::output::particles::ParticleFormat;
 use volmap_solver::output::picture::PictureSettings;
-use volmap_solver::output::{Output, OutputSettings, StepStatistics};
+use volmap_solver::output::{FolderSettings, Output, StepStatistics};
 
-fn settings() -> OutputSettings {
-    OutputSettings {
+fn settings() -> FolderSettings {
+    FolderSettings {
         particles: vec![ParticleFormat::Vtu, ParticleFormat::Ply, ParticleFormat::Bgeo],
         picture: PictureSettings { width: 160, height: 90, ..PictureSettings::default() },
-        ..OutputSettings::default()
+        ..FolderSettings::default()
     }
 }
 

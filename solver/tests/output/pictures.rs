@@ -17,7 +17,7 @@ pub fn keep(name: &str, file: &[u8]) {
 #[test]
 fn waves_are_drawn() {
     let scene = Scene::new(0.016, 0.4);
-    let camera = Camera { from: [2.6, 1.9, 2.4], to: [0.2, 0.4, 0.0], angle: 35.0 };
+    let camera = Camera { position: [2.6, 1.9, 2.4], target: [0.2, 0.4, 0.0], field_of_view: 35.0 };
     let usual = PictureSettings::default;
     for (name, settings) in [
         ("surface.png", usual()),
@@ -65,7 +65,7 @@ fn any_numbers_are_drawn() {
     for (radius, range) in
         [(0.025, None), (0.0, Some([0.0, 0.0])), (1e30, Some([f64::NAN, 1.0])), (f64::NAN, None)]
     {
-        for camera in [None, Some(Camera { from: [0.0; 3], to: [0.0; 3], angle: f64::NAN })] {
+        for camera in [None, Some(Camera { position: [0.0; 3], target: [0.0; 3], field_of_view: f64::NAN })] {
             let frame = Frame {
                 particle_radius: radius,
                 positions: &positions,

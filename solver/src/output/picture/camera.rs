@@ -5,22 +5,25 @@ use glam::Vec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A camera.
+/// Where pictures are seen from.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Camera {
-    /// The eye, metres.
-    pub from: [f64; 3],
-    /// What is in the middle of the picture, metres.
-    pub to: [f64; 3],
-    /// Angle between the upper and the lower border, degrees.
-    #[serde(default = "default_angle")]
-    pub angle: f64,
+    /// Its place, metres.
+    pub position: [f64; 3],
+    /// What it looks at, metres.
+    pub target: [f64; 3],
+    /// Angle from the picture's lower to its upper edge, degrees. Default: 40.
+    #[serde(default = "field_of_view")]
+    pub field_of_view: f64,
 }
 
-fn default_angle() -> f64 {
-    28.0
+fn field_of_view() -> f64 {
+    40.0
 }
+
+/// The same where no camera is given, degrees.
+const DISTANT: f64 = 28.0;
 
 /// A box, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,7 +80,7 @@ const RAISED: f32 = 0.035;
 
 /// The view of a camera, or one that shows the box from the front, the left and above.
 pub fn view(camera: Option<&Camera>, bounds: Bounds, up: Vec3, size: [usize; 2]) -> View {
-    let angle = camera.map_or(default_angle(), |c| c.angle).clamp(1.0, 150.0);
+    let angle = camera.map_or(DISTANT, |camera| camera.field_of_view).clamp(1.0, 150.0);
     let scale = (0.5 * size[1] as f64 / (0.5 * angle.to_radians()).tan()) as f32;
     let near = 1e-3 * bounds.size();
     let view = |origin: Vec3, forward: Vec3| {
@@ -85,7 +88,7 @@ pub fn view(camera: Option<&Camera>, bounds: Bounds, up: Vec3, size: [usize; 2])
         View { origin, right, up: right.cross(forward), forward, size, scale, parallel: false, near }
     };
     if let Some(camera) = camera {
-        let [from, to] = [camera.from, camera.to].map(|p| Vec3::from_array(p.map(|x| x as f32)));
+        let [from, to] = [camera.position, camera.target].map(|p| Vec3::from_array(p.map(|x| x as f32)));
         return view(from, (to - from).try_normalize().unwrap_or(Vec3::NEG_Z));
     }
     let forward = -direction(bounds, up);

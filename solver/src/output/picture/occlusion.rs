@@ -4,17 +4,25 @@
 use rayon::prelude::*;
 
 /// How much a pixel lies behind the mean of its surroundings, in parts of `scale` metres, 0 to 1. Depths beyond `far`
-/// count as `far`.
+/// count as `far`. The mean, which changes little from pixel to pixel, is that of every other row and column.
 pub fn occlusion(depth: &[f32], width: usize, radius: usize, [scale, far]: [f32; 2]) -> Vec<f32> {
-    let near: Vec<f32> = depth.par_iter().map(|&d| d.min(far)).collect();
-    let mut mean = near.clone();
-    let height = depth.len() / width.max(1);
+    let (half_width, half_radius) = (width.div_ceil(2), radius / 2);
+    let rows = depth.chunks(width.max(1)).step_by(2);
+    let mut mean: Vec<f32> = rows.flat_map(|row| row.iter().step_by(2).map(|&d| d.min(far))).collect();
+    let half_height = mean.len() / half_width.max(1);
     for _ in 0..2 {
-        mean = transposed(&blurred(&mean, width, radius), width);
-        mean = transposed(&blurred(&mean, height, radius), height);
+        mean = transposed(&blurred(&mean, half_width, half_radius), half_width);
+        mean = transposed(&blurred(&mean, half_height, half_radius), half_height);
     }
-    let behind = |(d, m): (&f32, &f32)| ((d - m) / scale).clamp(0.0, 1.0);
-    near.par_iter().zip(&mean).map(behind).collect()
+    let mut out = vec![0.0; depth.len()];
+    let rows = out.par_chunks_mut(width.max(1)).zip(depth.par_chunks(width.max(1))).enumerate();
+    rows.with_min_len(8).for_each(|(row, (out, depth))| {
+        let mean = &mean[row / 2 * half_width..][..half_width];
+        for (column, (out, &depth)) in out.iter_mut().zip(depth).enumerate() {
+            *out = ((depth.min(far) - mean[column / 2]) / scale).clamp(0.0, 1.0);
+        }
+    });
+    out
 }
 
 /// Means over `2 radius + 1` pixels of a row; beyond its ends it goes on as it ends.

@@ -52,12 +52,12 @@ pub fn cast(
     let face_bands = triangles::sorted(&faces, SIZE);
     let mut depth = vec![f32::INFINITY; SIZE * SIZE];
     depth.par_chunks_mut(BAND * SIZE).enumerate().for_each(|(band, depth)| {
-        let mut solid = vec![Solid::NONE; depth.len()];
-        face_bands.of(band).for_each(|face| faces[face].draw(band, &view, &mut solid));
-        depth.iter_mut().zip(&solid).for_each(|(depth, solid)| *depth = solid.depth);
-        for ball in splat_bands.of(band).map(|ball| &splats[ball]) {
-            ball.cover(band, view.size, |at, _| depth[at] = depth[at].min(ball.depth));
+        if face_bands.of(band).next().is_some() {
+            let mut solid = vec![Solid::NONE; depth.len()];
+            face_bands.of(band).for_each(|face| faces[face].draw(band, &view, &mut solid));
+            depth.iter_mut().zip(&solid).for_each(|(depth, solid)| *depth = solid.depth);
         }
+        splat_bands.of(band).for_each(|ball| splats[ball].draw_flat(band, view.size, depth));
     });
     let occupied = occupied(&depth);
     Shadow { view, depth, occupied, bias: 0.004 * size + radius }

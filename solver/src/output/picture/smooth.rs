@@ -86,7 +86,8 @@ fn pass(from: &[Fluid], to: &mut [Fluid], reach: &[u16], [width, along, stride]:
                 if far > reach {
                     break;
                 }
-                let kernel = kernel * ((reach - far + 1) as f32 / stride as f32).min(1.0);
+                let room = reach - far + 1;
+                let kernel = if room < stride { kernel * (room as f32 / stride as f32) } else { kernel };
                 for other in [from[at - far * along], from[at + far * along]] {
                     let square = (other.depth - centre.depth) * (other.depth - centre.depth) * inverse;
                     let near = (1.0 - square).max(0.0);

@@ -45,7 +45,9 @@ impl View {
     /// The direction from the eye through a place of the picture, of length 1 along `forward`.
     pub fn ray(&self, [x, y]: [f32; 2]) -> Vec3 {
         let [width, height] = self.size.map(|n| n as f32);
-        let (across, up) = ((x - 0.5 * width) / self.scale, (0.5 * height - y) / self.scale);
+        // In a loop over pixels it is divided once.
+        let pixel = 1.0 / self.scale;
+        let (across, up) = ((x - 0.5 * width) * pixel, (0.5 * height - y) * pixel);
         self.forward + across * self.right + up * self.up
     }
 
