@@ -64,7 +64,9 @@ impl Image {
             per_volume: map_radius.powi(-3),
             per_radius: 1.0 / map_radius,
             table: Table::new(0.0, high, INTERVALS, node),
-            wide: Table::new(-0.5, 0.5, WIDE_INTERVALS, |d| wide_volume(d).map(|both| both.map(|v| v * radius.powi(3)))),
+            wide: Table::new(-0.5, 0.5, WIDE_INTERVALS, |d| {
+                wide_volume(d).map(|both| both.map(|v| v * radius.powi(3)))
+            }),
         }
     }
 
