@@ -22,7 +22,9 @@ pub enum Command {
     /// The JSON Schema of scenes
     Schema,
     /// Experiments whose answer is known, and what comes of them here
-    Validate(ValidateArguments),
+    Validate(ExperimentArguments),
+    /// Experiments of the papers, and what comes of them here
+    Reproduce(ExperimentArguments),
 }
 
 #[derive(Debug, clap::Args)]
@@ -67,8 +69,8 @@ fn time(text: &str) -> Result<f64, String> {
 }
 
 #[derive(Debug, clap::Args)]
-pub struct ValidateArguments {
-    /// Which experiments; all by default
+pub struct ExperimentArguments {
+    /// Which experiments; `all`, and by default
     #[arg(value_name = "EXPERIMENT")]
     pub names: Vec<String>,
     /// Print which there are, and end
@@ -77,7 +79,7 @@ pub struct ValidateArguments {
     /// Fewer cases, coarser and shorter: some ten seconds each
     #[arg(long)]
     pub short: bool,
-    /// Folder for charts (.png) and all figures (validation.json); made if it isn't there
+    /// Folder for charts (.png) and all figures (validation.json, reproduction.json); made if it isn't there
     #[arg(short, long, value_name = "FOLDER")]
     pub output: Option<PathBuf>,
     /// Exit code 1 if a target isn't met

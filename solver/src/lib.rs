@@ -19,6 +19,7 @@ pub mod output;
 pub mod pairs;
 pub mod particles;
 pub mod pressure;
+pub mod reproduce;
 pub mod response;
 pub mod resume;
 pub mod scene;

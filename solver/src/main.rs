@@ -8,6 +8,7 @@ use args::{Arguments, Command};
 use clap::Parser;
 use std::io;
 use std::process::ExitCode;
+use volmap_solver::{reproduce, validation};
 
 fn main() -> ExitCode {
     match run(&Arguments::parse().command) {
@@ -27,7 +28,12 @@ fn run(command: &Command) -> Result<()> {
         Command::Info(arguments) => run::info::run_info(arguments),
         Command::Check(arguments) => run::check::run_check(arguments),
         Command::Schema => run::schema::run_schema(),
-        Command::Validate(arguments) => run::validate::run_validate(arguments),
+        Command::Validate(arguments) => {
+            run::experiments::run_experiments((validation::EXPERIMENTS, "validation.json"), arguments)
+        }
+        Command::Reproduce(arguments) => {
+            run::experiments::run_experiments((reproduce::EXPERIMENTS, "reproduction.json"), arguments)
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! The commands of `volmap-sim`.
 
 pub mod check;
+pub mod experiments;
 pub mod info;
 pub mod schema;
 pub mod simulate;
-pub mod validate;

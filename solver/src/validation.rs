@@ -83,6 +83,8 @@ pub struct Row {
     pub measured: f64,
     /// Whether it is what it should be; none if it is only told.
     pub met: Option<bool>,
+    /// What a paper has for it.
+    pub paper: Option<f64>,
 }
 
 /// A chart and the name of its file.
@@ -93,13 +95,6 @@ pub struct ChartFile {
     /// The chart.
     #[serde(skip)]
     pub chart: Chart,
-}
-
-impl Experiment {
-    /// The one of this name.
-    pub fn named(name: &str) -> Option<&'static Experiment> {
-        EXPERIMENTS.iter().find(|experiment| experiment.name == name)
-    }
 }
 
 impl Run<'_> {
@@ -136,13 +131,19 @@ impl Row {
         measured: f64,
     ) -> Row {
         let (case, quantity) = (case.into(), quantity.into());
-        Row { case, quantity, unit, target: String::new(), measured, met: None }
+        Row { case, quantity, unit, target: String::new(), measured, met: None, paper: None }
     }
 
     /// With a target in words, and whether it is met.
     #[must_use]
     pub fn target(self, target: impl Into<String>, met: bool) -> Row {
         Row { target: target.into(), met: Some(met), ..self }
+    }
+
+    /// The paper's figure for it.
+    #[must_use]
+    pub fn paper(self, paper: f64) -> Row {
+        Row { paper: Some(paper), ..self }
     }
 
     /// It should be no more than this. What is no number never is.

@@ -204,7 +204,7 @@ fn maps_of_another_radius_are_refused_for_bodies_and_taken_for_fills() {
     let from_map = Body { map: Some(file.clone()), ..Body::default() };
     let half = Scene { particle_radius: 0.0125, ..scene(&folder) };
     let error = run(&Scene { bodies: vec![from_map.clone()], blocks, ..half.clone() }).unwrap_err();
-    for part in ["bodies[0].map", "0.1 m", "0.05 m", "--support-radius 0.05", "--invert"] {
+    for part in ["bodies[0].map", "0.025 m", "`mirror`", "0.0125 m", "--support-radius 0.0125", "--invert"] {
         assert!(error.contains(part), "{part}: {error}");
     }
     let fills = vec![Fill {
@@ -213,7 +213,7 @@ fn maps_of_another_radius_are_refused_for_bodies_and_taken_for_fills() {
         ..Fill::default()
     }];
     assert!(run(&Scene { fills: fills.clone(), ..half }).unwrap().particles.positions.len() > 4 * 38 * 38);
-    // Of the scene's radius it is taken for both.
+    // Of the closure's radius it is taken for both.
     let both = run(&Scene { bodies: vec![from_map], fills, ..scene(&folder) }).unwrap();
     assert_eq!(both.bodies[0].origin, Origin::Asset);
 }

@@ -1,4 +1,4 @@
-//! Balls, boxes and a duck in water: Archimedes. A floating body displaces its weight of water; one that is held under
+//! Balls and boxes in water: Archimedes. A floating body displaces its weight of water; one that is held under
 //! water is pushed up by the weight of what it displaces.
 
 use super::flow::{GRAVITY, lattice, volume_below, water};
@@ -15,7 +15,7 @@ use volmap_runtime::{DVec3, Pose, VolumeMap};
 pub const EXPERIMENT: Experiment = Experiment {
     name: "floats",
     title: "Archimedes",
-    about: "A ball, a box and a duck held under water, and floating at densities of 100 to 750 kg/m^3",
+    about: "A ball and a box held under water, and floating at densities of 250 to 750 kg/m^3",
     run,
 };
 
@@ -39,7 +39,7 @@ fn run(run: &Run) -> Result<Outcome, Error> {
         held_under_water(run, &mut outcome, &tank, (name, shape))?;
     }
     let mut curves = Vec::new();
-    let densities: &[f64] = run.pick(&[500.0], &[100.0, 250.0, 500.0, 750.0]);
+    let densities: &[f64] = run.pick(&[500.0], &[250.0, 500.0, 750.0]);
     for (name, shape) in held {
         for &density in densities {
             (run.progress)(&format!("floats: {name} of {density} kg/m^3"));
@@ -114,7 +114,7 @@ fn held_under_water(
     tank: &Tank,
     (name, shape): (&str, &Shape),
 ) -> Result<(), Error> {
-    let end = run.pick(2.0, 4.0);
+    let end = run.pick(2.0, 3.0);
     let body = shape.body(name, DVec3::new(0.0, 0.3, 0.0), free(RHO, true));
     let displaced = RHO * GRAVITY * volume_below(&shape.mesh, body.pose, 9.0);
     let mut simulation = tank.with(body)?;
@@ -200,7 +200,7 @@ fn floating(
     tank: &Tank,
     (name, shape, density): (&str, &Shape, f64),
 ) -> Result<Vec<[f64; 2]>, Error> {
-    let end = run.pick(1.6, 5.0);
+    let end = run.pick(1.6, 3.0);
     let part = density / RHO;
     // At about its depth, a little too high.
     let height = DEPTH + 0.28 * (0.5 - part) + 0.05;

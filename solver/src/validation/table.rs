@@ -5,14 +5,17 @@ use std::fmt::Write;
 
 /// The rows of an outcome as a table, then its notes.
 pub fn to_text(name: &str, outcome: &Outcome) -> String {
-    let mut lines = vec![["case", "quantity", "target", "measured", ""].map(String::from)];
+    let mut lines = vec![["case", "quantity", "paper", "target", "measured", "ratio", ""].map(String::from)];
     lines.extend(outcome.rows.iter().map(cells));
+    // Columns in which there is nothing but a title are left out.
+    let shown: Vec<usize> =
+        (0..7).filter(|&column| lines[1..].iter().any(|line| !line[column].is_empty())).collect();
     let width = |column: usize| lines.iter().map(|line| line[column].chars().count()).max().unwrap_or(0);
-    let [a, b, c, d] = [0, 1, 2, 3].map(width);
+    let widths: Vec<usize> = shown.iter().map(|&column| width(column)).collect();
     let mut out = format!("{name}\n");
-    for [case, quantity, target, measured, met] in &lines {
-        let text = format!("  {case:a$}  {quantity:b$}  {target:c$}  {measured:d$}  {met}");
-        let _ = writeln!(out, "{}", text.trim_end());
+    for line in &lines {
+        let padded = shown.iter().zip(&widths).map(|(&column, &width)| format!("  {:width$}", line[column]));
+        let _ = writeln!(out, "{}", padded.collect::<String>().trim_end());
     }
     for note in &outcome.notes {
         let _ = writeln!(out, "  note: {note}");
@@ -20,7 +23,7 @@ pub fn to_text(name: &str, outcome: &Outcome) -> String {
     out
 }
 
-fn cells(row: &Row) -> [String; 5] {
+fn cells(row: &Row) -> [String; 7] {
     let met = match row.met {
         Some(true) => "met",
         Some(false) => "NOT met",
@@ -28,7 +31,10 @@ fn cells(row: &Row) -> [String; 5] {
     };
     let with_unit = |text: String| if row.unit.is_empty() { text } else { format!("{text} {}", row.unit) };
     let target = if row.target.is_empty() { String::new() } else { with_unit(row.target.clone()) };
-    [row.case.clone(), row.quantity.clone(), target, with_unit(digits(row.measured)), met.into()]
+    let paper = row.paper.map_or(String::new(), |paper| with_unit(digits(paper)));
+    let ratio = row.paper.map_or(String::new(), |paper| digits(row.measured / paper));
+    let measured = with_unit(digits(row.measured));
+    [row.case.clone(), row.quantity.clone(), paper, target, measured, ratio, met.into()]
 }
 
 /// Four digits, or all of a whole number.
@@ -47,6 +53,15 @@ pub fn digits(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn papers_stand_beside_what_is_measured() {
+        let rows = vec![Row::new("a", "speed", "m/s", 1.0).paper(4.0), Row::new("a", "steps", "", 3.0)];
+        let text = to_text("fig", &Outcome { rows, ..Outcome::default() });
+        let lines: Vec<&str> = text.lines().collect();
+        assert!(lines[1].ends_with("quantity  paper  measured  ratio"), "{text}");
+        assert!(lines[2].ends_with("4 m/s  1 m/s     0.250") && lines[3].ends_with("3"), "{text}");
+    }
 
     #[test]
     fn rows_say_what_is_met() {

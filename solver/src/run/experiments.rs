@@ -1,20 +1,23 @@
-//! `volmap-sim validate`.
+//! `volmap-sim validate` and `volmap-sim reproduce`.
 
-use crate::args::ValidateArguments;
+use crate::args::ExperimentArguments;
 use anyhow::{Context, Result, bail};
 use serde_json::json;
 use std::fs;
 use std::io::{self, Write};
 use std::path::Path;
 use std::time::Instant;
-use volmap_solver::validation::{EXPERIMENTS, Experiment, Outcome, Run, table};
+use volmap_solver::validation::{Experiment, Outcome, Run, table};
+
+/// Experiments, and the file of their figures.
+pub type Set = (&'static [Experiment], &'static str);
 
 /// Runs experiments, prints their figures beside what they should be, and writes the charts.
-pub fn run_validate(arguments: &ValidateArguments) -> Result<()> {
+pub fn run_experiments((experiments, file): Set, arguments: &ExperimentArguments) -> Result<()> {
     if arguments.list {
-        return list();
+        return list(experiments);
     }
-    let chosen = chosen(&arguments.names)?;
+    let chosen = chosen(experiments, &arguments.names)?;
     if let Some(threads) = arguments.threads {
         rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global()?;
     }
@@ -39,7 +42,7 @@ pub fn run_validate(arguments: &ValidateArguments) -> Result<()> {
         outcomes.push((experiment, outcome));
         if let Some(folder) = &arguments.output {
             // After each one: all of them take long.
-            write(folder, &outcomes, arguments.short)?;
+            write(&folder.join(file), &outcomes, arguments.short)?;
         }
     }
     let unmet: usize = outcomes.iter().map(|(_, outcome)| outcome.unmet().count()).sum();
@@ -49,28 +52,32 @@ pub fn run_validate(arguments: &ValidateArguments) -> Result<()> {
     Ok(())
 }
 
-fn list() -> Result<()> {
+fn list(experiments: &[Experiment]) -> Result<()> {
     let mut out = io::stdout().lock();
-    for Experiment { name, title, about, .. } in EXPERIMENTS {
-        writeln!(out, "{name:12} {title}\n{:12} {about}", "")?;
+    for Experiment { name, title, about, .. } in experiments {
+        writeln!(out, "{name:12} {title}: {about}")?;
     }
     Ok(())
 }
 
 /// Each once, in the order of all.
-fn chosen(names: &[String]) -> Result<Vec<&'static Experiment>> {
-    if let Some(unknown) = names.iter().find(|name| Experiment::named(name).is_none()) {
-        let known: Vec<&str> = EXPERIMENTS.iter().map(|experiment| experiment.name).collect();
-        bail!("`{unknown}` is no experiment; there are {}", known.join(", "));
+fn chosen(experiments: &'static [Experiment], names: &[String]) -> Result<Vec<&'static Experiment>> {
+    let known = |name: &str| name == ALL || experiments.iter().any(|one| one.name == name);
+    if let Some(unknown) = names.iter().find(|name| !known(name)) {
+        let all: Vec<&str> = experiments.iter().map(|one| one.name).collect();
+        bail!("`{unknown}` is no experiment; there are {}", all.join(", "));
     }
-    let wanted = |one: &&Experiment| names.is_empty() || names.iter().any(|name| name == one.name);
-    Ok(EXPERIMENTS.iter().filter(wanted).collect())
+    let wanted =
+        |one: &&Experiment| names.is_empty() || names.iter().any(|name| name == one.name || name == ALL);
+    Ok(experiments.iter().filter(wanted).collect())
 }
 
-fn write(folder: &Path, outcomes: &[(&Experiment, Outcome)], short: bool) -> Result<()> {
+const ALL: &str = "all";
+
+fn write(figures: &Path, outcomes: &[(&Experiment, Outcome)], short: bool) -> Result<()> {
     for (_, outcome) in outcomes {
         for chart in &outcome.charts {
-            let path = folder.join(&chart.file);
+            let path = figures.with_file_name(&chart.file);
             fs::write(&path, chart.chart.to_png()).with_context(|| path.display().to_string())?;
         }
     }
@@ -80,6 +87,5 @@ fn write(folder: &Path, outcomes: &[(&Experiment, Outcome)], short: bool) -> Res
         "{:#}\n",
         json!({ "version": env!("CARGO_PKG_VERSION"), "short": short, "experiments": all })
     );
-    let path = folder.join("validation.json");
-    fs::write(&path, text).with_context(|| path.display().to_string())
+    fs::write(figures, text).with_context(|| figures.display().to_string())
 }
