@@ -115,12 +115,16 @@ fn corners_are_the_integrals_over_them() {
         assert!(error.abs() < 1e-5 * DISC, "{d}: {error}");
     }
     let square = Outline {
-        points: vec![[0.0, 0.0], [0.5, 0.0], [0.5, 0.5], [0.0, 0.5]],
+        points: vec![[0.0, 0.0], [0.3, 0.0], [0.3, 0.3], [0.0, 0.3]],
         segments: vec![[0, 1], [1, 2], [2, 3], [3, 0]],
     };
     for invert in [false, true] {
         let phi = OutlineDistance::new(&square, invert, 0.0);
-        let map = map(phi.bounds(), |x| phi.at(x), &AreaSettings { invert, ..settings(RADIUS / 8.0) });
+        let map = map(
+            phi.bounds(),
+            |x| phi.at(x),
+            &AreaSettings { invert, rule: DiscRule::Disc(16), ..settings(RADIUS / 6.0) },
+        );
         let side = if invert { 1.0 } else { -1.0 };
         let mut worst = 0.0f64;
         for n in 0..40 {
@@ -141,8 +145,8 @@ fn corners_are_the_integrals_over_them() {
 fn density_of_a_half_plane_is_its_integral() {
     for kernel in [Smoothing::CubicSpline, Smoothing::WendlandC2] {
         let density = AreaDensity { kernel, rule: DiscRule::Disc(24), extension: 1.0 };
-        let settings = AreaSettings { density: Some(density), ..settings(RADIUS / 8.0) };
-        let map = map([DVec2::new(-0.3, 0.0), DVec2::new(0.3, 0.0)], |x| x.y, &settings);
+        let settings = AreaSettings { density: Some(density), ..settings(RADIUS / 4.0) };
+        let map = map([DVec2::new(-0.1, 0.0), DVec2::new(0.1, 0.0)], |x| x.y, &settings);
         for n in -8..9 {
             let d = 0.11 * RADIUS * f64::from(n) + 0.003 * RADIUS;
             let ring = |s: f64| {
