@@ -25,6 +25,8 @@ pub use path::{Interpolation, Key, Keys, Moving, Path, Spin};
 
 use crate::Error;
 use rapier3d_f64::prelude::RigidBodyHandle;
+use std::sync::Arc;
+use volmap_formats::mesh::TriangleMesh;
 use volmap_runtime::{DVec3, Pose, PosedMap};
 use world::World;
 
@@ -43,6 +45,7 @@ pub struct Bodies {
 /// What doesn't change of a body.
 struct Body {
     name: String,
+    mesh: Option<Arc<TriangleMesh>>,
     start: Pose,
     motion: Motion,
     /// Of free bodies.
@@ -108,7 +111,7 @@ impl Bodies {
             };
             let handle = world.add(&body, pose, mass.as_ref(), shape);
             posed.push(PosedMap { map: body.map, pose });
-            bodies.push(Body { name: body.name, start, motion: body.motion, mass, handle });
+            bodies.push(Body { name: body.name, mesh: body.mesh, start, motion: body.motion, mass, handle });
         }
         let rest = Velocity { at: DVec3::ZERO, linear: DVec3::ZERO, angular: DVec3::ZERO };
         let count = bodies.len();
@@ -132,6 +135,11 @@ impl Bodies {
     /// A body's name.
     pub fn name(&self, body: usize) -> &str {
         &self.bodies[body].name
+    }
+
+    /// A body's mesh in its map's frame, if it was given.
+    pub fn mesh(&self, body: usize) -> Option<&Arc<TriangleMesh>> {
+        self.bodies[body].mesh.as_ref()
     }
 
     /// Whether forces move a body.

@@ -32,7 +32,7 @@ pub use read::{Syntax, load, parse};
 pub use summary::{Summary, check, info};
 
 use crate::error::Error;
-use crate::settings::{FluidSettings, SolverSettings, World};
+use crate::settings::{BoundaryMethod, FluidSettings, SolverSettings, World};
 use check::{At, Checked};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -58,9 +58,12 @@ pub struct Scene {
     /// SPH kernel.
     #[serde(default)]
     pub kernel: Kernel,
-    /// How a map's volume becomes a density.
+    /// How the fluid sees bodies.
     #[serde(default)]
-    pub closure: Closure,
+    pub boundary: BoundaryMethod,
+    /// How a map's volume becomes a density, with `volume_map` only. Default: mirror.
+    #[serde(default)]
+    pub closure: Option<Closure>,
     /// Gravity, m/s^2. Default: 9.81 downwards.
     #[serde(default = "default_gravity")]
     pub gravity: [f64; 3],
@@ -168,7 +171,8 @@ impl Default for Scene {
             particle_radius: World::default().particle_radius,
             support_radius: None,
             kernel: Kernel::default(),
-            closure: Closure::default(),
+            boundary: BoundaryMethod::default(),
+            closure: None,
             gravity: default_gravity(),
             domain: None,
             cache: None,
@@ -201,7 +205,8 @@ impl Scene {
             particle_radius: self.particle_radius,
             support_radius: self.support_radius(),
             kernel: self.kernel.into(),
-            closure: self.closure.into(),
+            boundary: self.boundary,
+            closure: self.closure.unwrap_or_default().into(),
             gravity: self.gravity.into(),
         }
     }
@@ -238,6 +243,7 @@ impl Scene {
         if let Some(domain) = &self.domain {
             domain.check(&top.key("domain"))?;
         }
+        check::boundary(&top, self)?;
         check::fluid(&top.key("fluid"), &self.fluid)?;
         check::solver(&top.key("solver"), &self.solver)?;
         check::viscosity(&top.key("fluid"), &self.fluid, &self.solver, &self.world())?;

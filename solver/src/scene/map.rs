@@ -1,15 +1,18 @@
 //! From a body's file to its volume map: opened, or baked on first use and kept in a cache.
 
 use super::body::{Bake, Source, Up};
+use crate::boundary::density_map;
 use crate::error::Error;
+use crate::settings::{BoundaryMethod, World};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use volmap_baker::bake::{BakeSettings, bake};
+use volmap_baker::density_map::DensitySettings;
 use volmap_baker::input::{self, Input, InputSettings};
 use volmap_baker::plan::{GridChoice, Settings};
 use volmap_formats::asset::{self, Compression, Exterior, FORMAT_VERSION};
 use volmap_formats::mesh::{self, Placement, TriangleMesh, UpAxis};
-use volmap_runtime::VolumeMap;
+use volmap_runtime::{KernelKind, VolumeMap};
 
 /// Part by which a map's support radius may differ from the scene's: other programs store it in single
 /// precision.
@@ -40,6 +43,8 @@ pub enum Origin {
 /// Opens and bakes what a scene needs, each once.
 pub struct Library<'a> {
     support_radius: f64,
+    /// The kernel whose density bodies need in their maps, if they need one.
+    density: Option<KernelKind>,
     cache: PathBuf,
     shapes: Vec<(String, Shape)>,
     /// What went wrong without harm.
@@ -57,9 +62,11 @@ pub fn default_cache() -> PathBuf {
 }
 
 impl<'a> Library<'a> {
-    /// Nothing opened yet. `on_bake` is called with the mesh before each bake, which may take seconds.
-    pub fn new(support_radius: f64, cache: PathBuf, on_bake: &'a mut dyn FnMut(&Path)) -> Library<'a> {
-        Library { support_radius, cache, shapes: Vec::new(), notes: Vec::new(), on_bake }
+    /// Nothing opened yet; maps are kept in `cache`. `on_bake` is called with the mesh before each bake, which may take
+    /// seconds.
+    pub fn new(world: &World, cache: PathBuf, on_bake: &'a mut dyn FnMut(&Path)) -> Library<'a> {
+        let density = (world.boundary == BoundaryMethod::DensityMap).then_some(world.kernel);
+        Library { support_radius: world.support_radius, density, cache, shapes: Vec::new(), notes: Vec::new(), on_bake }
     }
 
     /// The map of a source; `key` is the scene's name for it, as `bodies[0]`. The same source gives the same
@@ -68,13 +75,22 @@ impl<'a> Library<'a> {
     /// # Errors
     /// A file that is missing or can't be used; a mesh that can't be baked.
     pub fn obtain(&mut self, source: Source, key: &str) -> Result<Shape, Error> {
+        self.obtain_with(source, key, None)
+    }
+
+    fn obtain_with(
+        &mut self,
+        source: Source,
+        key: &str,
+        density: Option<KernelKind>,
+    ) -> Result<Shape, Error> {
         let path = source.path();
         if !path.is_file() {
             let what = if matches!(source, Source::Map(_)) { "map" } else { "mesh" };
             let reason = format!("there is no file {}; paths are relative to the scene file", path.display());
             return Err(Error::Scene { place: format!("{key}.{what}"), reason });
         }
-        let identity = format!("{source:?}");
+        let identity = format!("{source:?} {density:?}");
         if let Some((_, shape)) = self.shapes.iter().find(|(name, _)| *name == identity) {
             return Ok(shape.clone());
         }
@@ -82,7 +98,7 @@ impl<'a> Library<'a> {
             Source::Map(path) => {
                 Shape { map: Arc::new(VolumeMap::open(path)?), mesh: None, origin: Origin::Asset }
             }
-            Source::Mesh(path, settings) => self.bake_or_open(path, settings)?,
+            Source::Mesh(path, settings) => self.bake_or_open(path, settings, density)?,
         };
         self.shapes.push((identity, shape.clone()));
         Ok(shape)
@@ -91,19 +107,34 @@ impl<'a> Library<'a> {
     /// The same for a body: its map must have the scene's support radius.
     ///
     /// # Errors
-    /// As [`Library::obtain`], and a map of another radius.
+    /// As [`Library::obtain`], and a map of another radius, or without the density that is needed.
     pub fn obtain_for_body(&mut self, source: Source, key: &str) -> Result<Shape, Error> {
-        let shape = self.obtain(source, key)?;
+        let shape = self.obtain_with(source, key, self.density)?;
         let (has, needs) = (shape.map.support_radius(), self.support_radius);
         if (has - needs).abs() <= SAME_RADIUS * needs {
             self.note_coarse_cells(source.path(), &shape.map);
-            return Ok(shape);
+            return self.with_density(shape, source, key);
         }
         let file = source.path().display();
         let invert = if shape.map.exterior() == Exterior::Solid { " --invert" } else { "" };
         let reason = format!(
             "{file} was baked for a support radius of {has} m, but the scene's is {needs} m; bake its mesh again: \
              volmap bake MESH -o {file} --support-radius {needs}{invert}, or name the mesh in the scene instead"
+        );
+        Err(Error::Scene { place: format!("{key}.map"), reason })
+    }
+
+    /// The shape, if its map has the density that bodies need.
+    fn with_density(&self, shape: Shape, source: Source, key: &str) -> Result<Shape, Error> {
+        let Some(kernel) = self.density else { return Ok(shape) };
+        let Some(defect) = density_map::defect(shape.map.density_kernel(), kernel) else { return Ok(shape) };
+        let file = source.path().display();
+        let invert = if shape.map.exterior() == Exterior::Solid { " --invert" } else { "" };
+        let name = density_map::smoothing(kernel).unwrap_or_default();
+        let reason = format!(
+            "{file} can't be used with boundary = \"density_map\": {defect}; bake its mesh again: volmap bake MESH -o {file} \
+             --support-radius {}{invert} --density --kernel {name}, or name the mesh in the scene instead",
+            self.support_radius
         );
         Err(Error::Scene { place: format!("{key}.map"), reason })
     }
@@ -120,8 +151,13 @@ impl<'a> Library<'a> {
         }
     }
 
-    fn bake_or_open(&mut self, path: &Path, settings: &Bake) -> Result<Shape, Error> {
-        let (placing, baking) = (input_settings(settings), self.bake_settings(settings));
+    fn bake_or_open(
+        &mut self,
+        path: &Path,
+        settings: &Bake,
+        density: Option<KernelKind>,
+    ) -> Result<Shape, Error> {
+        let (placing, baking) = (input_settings(settings), self.bake_settings(settings, density));
         let bytes = mesh::read_bytes(path).map_err(volmap_baker::Error::from)?;
         let cached = self.cache.join(cached_name(path, &bytes, &format!("{placing:?} {baking:?}")));
         let mut input = input::from_bytes(path, bytes, &placing)?;
@@ -157,7 +193,7 @@ impl<'a> Library<'a> {
         Ok(VolumeMap::from_asset(&baked.asset)?)
     }
 
-    fn bake_settings(&self, settings: &Bake) -> BakeSettings {
+    fn bake_settings(&self, settings: &Bake, density: Option<KernelKind>) -> BakeSettings {
         let grid = match (settings.resolution, settings.cell_size) {
             (Some(cells), _) => GridChoice::Resolution(cells.0),
             (None, Some(edge)) => GridChoice::CellSize(edge),
@@ -168,6 +204,9 @@ impl<'a> Library<'a> {
             grid,
             invert: settings.invert,
             thickness: settings.thickness,
+            density: density
+                .and_then(density_map::smoothing)
+                .map(|kernel| DensitySettings { kernel, ..DensitySettings::default() }),
             ..Settings::default()
         };
         BakeSettings { map, ..BakeSettings::default() }

@@ -6,7 +6,9 @@ use super::emitter::Emitter;
 use super::map::{Library, Origin, Shape, default_cache};
 use super::overlap::{BODY_MARGIN, drop_in_bodies};
 use super::sources::{self, Particles, Solid, SourceCount};
+use crate::boundary::particles;
 use crate::error::Error;
+use crate::settings::BoundaryMethod;
 use std::path::Path;
 use std::sync::Arc;
 use volmap_baker::mesh::diagnose;
@@ -36,6 +38,8 @@ pub struct PreparedBody {
     pub map: Arc<VolumeMap>,
     /// Its mesh in the map's frame, if it was baked from one.
     pub mesh: Option<Arc<TriangleMesh>>,
+    /// Particles on its surface, with particle boundaries.
+    pub boundary_particles: Option<u64>,
     /// Where the map comes from.
     pub origin: Origin,
     /// Where it is at the start.
@@ -59,12 +63,14 @@ impl PreparedBody {
 pub fn prepare(scene: &Scene, on_bake: &mut dyn FnMut(&Path)) -> Result<Prepared, Error> {
     scene.validate()?;
     let cache = scene.cache.clone().unwrap_or_else(default_cache);
-    let mut library = Library::new(scene.support_radius(), cache, on_bake);
+    let mut library = Library::new(&scene.world(), cache, on_bake);
     let mut bodies = Vec::new();
     for (i, (settings, name)) in scene.bodies.iter().zip(body::names(&scene.bodies)).enumerate() {
         let key = format!("bodies[{i}]");
         let Shape { map, mesh, origin } = library.obtain_for_body(given(settings.source(), &key)?, &key)?;
+        let boundary_particles = count_particles(scene, mesh.as_deref(), &key)?;
         bodies.push(PreparedBody {
+            boundary_particles,
             name,
             map,
             mesh,
@@ -90,6 +96,15 @@ pub fn prepare(scene: &Scene, on_bake: &mut dyn FnMut(&Path)) -> Result<Prepared
     notes.extend(particles.counts.iter().filter_map(left_out));
     notes.extend(emitters.iter().enumerate().filter_map(|(i, emitter)| blocked(i, emitter, &posed, scene)));
     Ok(Prepared { bodies, particles, emitters, notes })
+}
+
+/// How many boundary particles a body gets; none with maps.
+fn count_particles(scene: &Scene, mesh: Option<&TriangleMesh>, key: &str) -> Result<Option<u64>, Error> {
+    let (BoundaryMethod::Particles, Some(mesh)) = (scene.boundary, mesh) else { return Ok(None) };
+    match particles::defect(mesh, scene.particle_radius) {
+        Some(reason) => Err(Error::Scene { place: format!("{key}.mesh"), reason }),
+        None => Ok(Some(particles::count(mesh, scene.particle_radius))),
+    }
 }
 
 fn given<'a>(source: Option<Source<'a>>, key: &str) -> Result<Source<'a>, Error> {
