@@ -8,6 +8,10 @@ use crate::error::Error;
 use volmap_baker::density_map::smoothing::Smoothing;
 use volmap_runtime::{KernelKind, Sample};
 
+/// Where gamma of Eq. 11 becomes 0, in support radii: as the authors' own program has it. With the paper's 1, a wall's density
+/// is 1 at its surface and reaches 2 r: fluid a spacing from a wall is thrown off.
+pub const EXTENSION: f64 = 0.2;
+
 /// The baker's name for a kernel; none if it bakes no density for it.
 pub fn smoothing(kernel: KernelKind) -> Option<Smoothing> {
     match kernel {

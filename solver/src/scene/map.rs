@@ -206,7 +206,7 @@ impl<'a> Library<'a> {
             thickness: settings.thickness,
             density: density
                 .and_then(density_map::smoothing)
-                .map(|kernel| DensitySettings { kernel, ..DensitySettings::default() }),
+                .map(|kernel| DensitySettings { kernel, extension: density_map::EXTENSION, ..DensitySettings::default() }),
             ..Settings::default()
         };
         BakeSettings { map, ..BakeSettings::default() }
