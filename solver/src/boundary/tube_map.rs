@@ -16,7 +16,8 @@
 //! order. The gradient is along the normal, where dh/dd = -h^2.
 //!
 //! Curvatures are the second derivatives of the map's distance along the surface, by differences. Of the two sides the
-//! smaller rise counts: where a probe looks past an edge or into a corner, the face below the particle is taken alone.
+//! smaller rise counts: where a probe looks past an edge or into a corner, the face below the particle is taken alone. The
+//! normal is by differences as well: in a corner it turns from one face to the other over a quarter of r.
 
 use super::density_map::EXTENSION;
 use super::{Contact, Pairing, Scratch};
@@ -25,7 +26,7 @@ use volmap_runtime::{Boundary, DVec3, Kernel, KernelKind, Sample};
 /// Step of the differences in support radii: a map's cell as scenes bake it.
 const STEP: f64 = 0.25;
 /// Differences for each particle.
-const PROBES: usize = 6;
+const PROBES: usize = 8;
 /// Curvatures beyond this many 1/r count as this: edges are no tubes.
 const MOST_CURVED: f64 = 2.0;
 
@@ -44,7 +45,7 @@ pub(super) fn touch(pairing: Pairing, kernel: &Kernel, scratch: &mut Scratch, co
         let distances: [f64; PROBES] = std::array::from_fn(|n| values[n].distance);
         let curvatures = curvatures(boundary.distance, &distances, STEP * radius).map(|h| h * radius);
         let [density, slope] = density(kernel.kind(), boundary.distance / radius, curvatures);
-        let gradient = slope / radius * boundary.normal;
+        let gradient = slope / radius * direction(boundary.normal, &distances, STEP * radius);
         contacts.push(pairing.contact(within, density, gradient, boundary.closest_point));
     }
 }
@@ -53,11 +54,24 @@ fn in_reach(sample: &Sample, radius: f64) -> Option<Boundary> {
     sample.near().filter(|near| near.distance < (1.0 + EXTENSION) * radius)
 }
 
-/// Both ways along two tangents and their diagonal.
+/// The tangents of a normal, or the x and y axes of none.
+fn tangents(normal: DVec3) -> [DVec3; 2] {
+    normal.try_normalize().map_or((DVec3::X, DVec3::Y), |n| n.any_orthonormal_pair()).into()
+}
+
+/// Both ways along two tangents, their diagonal, and the normal.
 fn probes(normal: DVec3, step: f64) -> [DVec3; PROBES] {
-    let (a, b) = normal.try_normalize().map_or((DVec3::X, DVec3::Y), |n| n.any_orthonormal_pair());
+    let [a, b] = tangents(normal);
     let diagonal = (a + b) * 0.5_f64.sqrt();
-    [a, -a, b, -b, diagonal, -diagonal].map(|way| step * way)
+    [a, -a, b, -b, diagonal, -diagonal, normal, -normal].map(|way| step * way)
+}
+
+/// Gradient of the distance by differences; the normal where a probe doesn't know its distance.
+fn direction(normal: DVec3, probes: &[f64; PROBES], step: f64) -> DVec3 {
+    let [a, b] = tangents(normal);
+    let rise = |n: usize| 0.5 * (probes[2 * n] - probes[2 * n + 1]) / step;
+    let direction = rise(0) * a + rise(1) * b + rise(3) * normal;
+    if direction.is_finite() { direction } else { normal }
 }
 
 /// Principal curvatures (1/m) of the surface of equal distance through a point, positive where it bends away; from the
