@@ -9,6 +9,7 @@ use volmap_solver::scene::{Bake, Block, Body, FreeMotion, Motion, PerAxis, Scene
 use volmap_solver::settings::BoundaryMethod::{self, DensityMap, Particles, TubeMap, VolumeMap};
 use volmap_solver::settings::BoundaryPressure::{self, Mirror, Mls, Own, Sph};
 use volmap_solver::simulation::Simulation;
+use volmap_solver::validation::shapes::ball;
 
 const RADIUS: f64 = 0.05;
 const METHODS: [BoundaryMethod; 4] = [VolumeMap, DensityMap, Particles, TubeMap];
@@ -19,7 +20,7 @@ fn cube(edge: f64, invert: bool) -> Body {
     let scale = Some(PerAxis([edge / 3.1; 3]));
     Body {
         mesh: Some(Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/tank.obj")),
-        bake: Bake { invert, scale, cell_size: Some(std::env::var("VM_CELL").map_or(2.0, |v| v.parse().unwrap()) * RADIUS), ..Bake::default() },
+        bake: Bake { invert, scale, cell_size: Some(2.0 * RADIUS), ..Bake::default() },
         ..Body::default()
     }
 }
@@ -49,7 +50,7 @@ fn tank(boundary: BoundaryMethod, pressure: BoundaryPressure) -> Scene {
 fn collision(boundary: BoundaryMethod, pressure: BoundaryPressure) -> Scene {
     let free = Motion::Free(FreeMotion { density: Some(500.0), ..FreeMotion::default() });
     let body = Body { motion: free, ..cube(0.5, false) };
-    let block = Block { min: [-0.75, 0.1, -0.2], max: [-0.35, 0.5, 0.2], velocity: [2.0, 0.0, 0.0] };
+    let block = Block { min: [-0.8, 0.1, -0.2], max: [-0.3, 0.4, 0.2], velocity: [1.0, 0.0, 0.0] };
     let domain = Some(volmap_solver::scene::Region { min: [-50.0; 3], max: [50.0; 3] });
     Scene { gravity: [0.0; 3], blocks: vec![block], domain, ..scene(boundary, pressure, vec![body]) }
 }
@@ -87,7 +88,10 @@ fn particles_have_the_density_of_a_sheet() {
         let (density, gradient) = of_floor(Particles, d * 0.2);
         let exact = sheet(d) / sheet(0.0);
         assert!((density - exact).abs() < 0.1 * exact.max(0.2), "{d}: {density} {exact}");
-        assert!(gradient.y < 0.0 && gradient.with_y(0.0).length() < 0.2 * gradient.length(), "{d}: {gradient}");
+        assert!(
+            gradient.y < 0.0 && gradient.with_y(0.0).length() < 0.2 * gradient.length(),
+            "{d}: {gradient}"
+        );
     }
 }
 
@@ -135,7 +139,10 @@ fn rests(method: BoundaryMethod, bounds: &[(BoundaryPressure, [f64; 2], f64, f64
 
 #[test]
 fn water_rests_on_volume_maps() {
-    rests(VolumeMap, &[(Own, [0.9, 1.2], 0.46, 0.1), (Sph, [0.9, 1.3], 0.48, 0.2), (Mls, [0.9, 1.3], 0.48, 0.2)]);
+    rests(
+        VolumeMap,
+        &[(Own, [0.9, 1.2], 0.46, 0.1), (Sph, [0.9, 1.3], 0.48, 0.2), (Mls, [0.9, 1.3], 0.48, 0.2)],
+    );
 }
 
 #[test]
@@ -148,9 +155,25 @@ fn water_rests_on_particles() {
     rests(Particles, &[(Own, [1.5, 2.2], 0.65, 0.3), (Mls, [1.8, 2.7], 0.65, 0.3)]);
 }
 
+/// In a bowl, which has no edges: a tube sees one wall of two.
 #[test]
 fn water_rests_on_tubes() {
-    rests(TubeMap, &[(Own, [1.1, 1.6], 0.55, 0.3)]);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("bowl.obj");
+    let mesh = ball(0.6, 4);
+    let vertices = mesh.vertices.iter().map(|[x, y, z]| format!("v {x} {y} {z}\n"));
+    let faces = mesh.triangles.iter().map(|t| t.map(|v| v + 1)).map(|[a, b, c]| format!("f {a} {b} {c}\n"));
+    std::fs::write(&path, vertices.chain(faces).collect::<String>()).unwrap();
+    let bake = Bake { invert: true, cell_size: Some(2.0 * RADIUS), ..Bake::default() };
+    let body = Body { mesh: Some(path), bake, ..Body::default() };
+    let block = Block { min: [-0.3, -0.4, -0.3], max: [0.3, 0.0, 0.3], velocity: [0.0; 3] };
+    for pressure in [Own, Mls] {
+        let scene = Scene { blocks: vec![block.clone()], ..scene(TubeMap, pressure, vec![body.clone()]) };
+        let rest = settle(&scene, 1.2);
+        println!("TubeMap {pressure:?} {rest:.3?}");
+        // The lowest belong 1 rp above the bowl, -12 rp.
+        assert!((-11.0..-9.0).contains(&rest.floor) && rest.speed < 0.4 && rest.inside == 0, "{rest:?}");
+    }
 }
 
 fn momentum(simulation: &Simulation) -> DVec3 {
@@ -165,13 +188,15 @@ fn fluid_and_body_keep_their_momentum() {
         for pressure in PRESSURES {
             let mut simulation = simulation(&collision(method, pressure));
             let start = momentum(&simulation);
-            for _ in 0..60 {
-                simulation.step().unwrap();
+            for _ in 0..80 {
+                // What is put back out of a body loses its momentum.
+                assert_eq!(simulation.step().unwrap().inside, 0, "{method:?} {pressure:?}");
                 let error = (momentum(&simulation) - start).length() / start.length();
                 assert!(error < 2e-6, "{method:?} {pressure:?}: {error}");
             }
             let body = simulation.bodies().totals().momentum.x / start.x;
-            assert!(body > 0.005, "{method:?} {pressure:?}: the body took {body} of it");
+            println!("{method:?} {pressure:?}: {body:.3}");
+            assert!(body > 0.01, "{method:?} {pressure:?}: the body took {body} of it");
         }
     }
 }
@@ -240,20 +265,4 @@ fn maps_without_the_density_of_the_kernel_are_refused() {
     let world = Scene { kernel: volmap_solver::scene::Kernel::WendlandC2, ..density }.world();
     let error = Boundary::new(&world, &setup.fluid, &setup.bodies).unwrap_err().to_string();
     assert!(error.contains("cubic_spline, the scene's is wendland_c2"), "{error}");
-}
-
-#[test]
-fn explore_bowl() {
-    let mesh = volmap_solver::validation::shapes::ball(0.6, 4);
-    let mut text = String::new();
-    for v in &mesh.vertices { text += &format!("v {} {} {}\n", v[0], v[1], v[2]); }
-    for t in &mesh.triangles { text += &format!("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1); }
-    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("bowl.obj");
-    std::fs::write(&path, text).unwrap();
-    for method in METHODS { for pressure in [Own, Mls] {
-        let body = Body { mesh: Some(path.clone()), bake: Bake { invert: true, cell_size: Some(2.0 * RADIUS), ..Bake::default() }, ..Body::default() };
-        let block = Block { min: [-0.3, -0.4, -0.3], max: [0.3, 0.0, 0.3], velocity: [0.0; 3] };
-        let scene = Scene { blocks: vec![block], ..scene(method, pressure, vec![body]) };
-        println!("{method:?} {pressure:?} {:?}", settle(&scene, 2.0));
-    } }
 }

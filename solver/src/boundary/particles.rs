@@ -182,12 +182,10 @@ mod tests {
         };
         assert!((sheet(0.0) - 14.0).abs() < 1e-4);
         // A regular sheet, fine enough for the sum to be the integral.
-        let places =
-            (0..101 * 101).map(|n| 0.005 * DVec3::new(f64::from(n % 101), 0.0, f64::from(n / 101)));
+        let places = (0..101 * 101).map(|n| 0.005 * DVec3::new(f64::from(n % 101), 0.0, f64::from(n / 101)));
         let regular = BodyParticles::new(places.collect(), &kernel);
         // And blue noise at a particle's spacing.
-        let plate =
-            crate::validation::shapes::cuboid(DVec3::new(0.0, -0.5, 0.0), DVec3::new(0.5, 0.0, 0.5));
+        let plate = crate::validation::shapes::cuboid(DVec3::new(0.0, -0.5, 0.0), DVec3::new(0.5, 0.0, 0.5));
         let noise = BodyParticles::new(sampling::sample(&plate, 0.05), &kernel);
         for d in [0.01, 0.025, 0.05, 0.075] {
             let exact = sheet(d) / sheet(0.0);

@@ -117,7 +117,8 @@ impl Extrapolation {
         out.par_chunks_mut(CHUNK).zip(&self.chunks).for_each(|(out, chunk)| {
             for (site, out) in out.iter_mut().enumerate() {
                 let factors = &chunk.factors[chunk.starts[site] as usize..chunk.starts[site + 1] as usize];
-                let sum: f32 = factors.iter().map(|&(particle, factor)| factor * places[particle as usize][3]).sum();
+                let sum: f32 =
+                    factors.iter().map(|&(particle, factor)| factor * places[particle as usize][3]).sum();
                 *out = (if with_weight { sum + chunk.weights[site] } else { sum }).max(0.0);
             }
         });
@@ -125,7 +126,8 @@ impl Extrapolation {
 
     /// Bytes held.
     pub fn memory_bytes(&self) -> usize {
-        let of = |chunk: &Chunk| 8 * chunk.factors.capacity() + 4 * (chunk.starts.len() + chunk.weights.len());
+        let of =
+            |chunk: &Chunk| 8 * chunk.factors.capacity() + 4 * (chunk.starts.len() + chunk.weights.len());
         self.sites.capacity() * size_of::<Site>() + self.chunks.iter().map(of).sum::<usize>()
     }
 }
@@ -152,7 +154,8 @@ impl Boundary {
 
     /// Part of a contact's gradient that is the wall's own: the closure `mirror` has the image's part in it already.
     fn own_part(&self, kind: BoundaryPressure) -> f32 {
-        let has_image = matches!(&self.method, Method::VolumeMap(closure) if closure.kind() == ClosureKind::Mirror);
+        let has_image =
+            matches!(&self.method, Method::VolumeMap(closure) if closure.kind() == ClosureKind::Mirror);
         if has_image && kind.is_extrapolated() { 0.5 } else { 1.0 }
     }
 }
@@ -357,8 +360,7 @@ mod tests {
         let with =
             Discretization { kernel: KernelKind::CubicSpline, support_radius: RADIUS, volume: 1.25e-4 };
         let gravity = DVec3::new(0.0, -10.0, 0.0);
-        let fluid =
-            Fluid { cells: &cells, positions: &positions, densities: &densities, with, gravity };
+        let fluid = Fluid { cells: &cells, positions: &positions, densities: &densities, with, gravity };
         let mut chunk = Chunk::default();
         chunk.clear();
         fluid.find_near(site, &mut chunk.near);
@@ -385,9 +387,8 @@ mod tests {
 
     #[test]
     fn few_neighbours_leave_what_they_tell() {
-        let mls = |at: &[DVec3], p: &dyn Fn(DVec3) -> f64| {
-            extrapolated(BoundaryPressure::Mls, at, DVec3::ZERO, p)
-        };
+        let mls =
+            |at: &[DVec3], p: &dyn Fn(DVec3) -> f64| extrapolated(BoundaryPressure::Mls, at, DVec3::ZERO, p);
         let linear = |x: DVec3| 5.0 + x.dot(DVec3::new(10.0, 20.0, 30.0));
         // Of one its own pressure, Eq. 16; of a line or a plane no slope across it.
         let one = DVec3::new(0.02, 0.03, 0.01);

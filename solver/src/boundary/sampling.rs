@@ -161,8 +161,7 @@ mod tests {
 
     #[test]
     fn points_are_as_many_as_told_and_apart() {
-        for (mesh, distance) in
-            [(cuboid(DVec3::ZERO, DVec3::new(1.0, 0.7, 0.4)), 0.05), (ball(0.5, 4), 0.05)]
+        for (mesh, distance) in [(cuboid(DVec3::ZERO, DVec3::new(1.0, 0.7, 0.4)), 0.05), (ball(0.5, 4), 0.05)]
         {
             let points = sample(&mesh, distance);
             assert_eq!(points.len() as u64, count(&mesh, distance));
@@ -180,7 +179,8 @@ mod tests {
         let size = DVec3::new(1.0, 0.7, 0.4);
         let points = sample(&cuboid(DVec3::ZERO, size), 0.05);
         let off = |x: &DVec3| {
-            x.min(size - *x).min_element().abs() + (x.min(DVec3::ZERO) + (size - *x).min(DVec3::ZERO)).length()
+            x.min(size - *x).min_element().abs()
+                + (x.min(DVec3::ZERO) + (size - *x).min(DVec3::ZERO)).length()
         };
         assert!(points.iter().all(|x| off(x) < 1e-12));
         // Places on the top face: one within a spacing.

@@ -119,13 +119,15 @@ pub(super) fn boundary(at: &At, scene: &Scene) -> Checked {
     })?;
     let is_baked = density_map::smoothing(scene.world().kernel).is_some();
     at.require("kernel", method != BoundaryMethod::DensityMap || is_baked, || {
-        "density maps are baked for cubic-spline and wendland-c2 only; take one of them, or another boundary".into()
+        "density maps are baked for cubic-spline and wendland-c2 only; take one of them, or another boundary"
+            .into()
     })?;
     if method == BoundaryMethod::Particles {
         for (i, body) in scene.bodies.iter().enumerate() {
             let at = at.key("bodies").item(i);
             at.require("map", body.map.is_none(), || {
-                "boundary = \"particles\" samples the body's mesh, which a map hasn't; give `mesh` instead".into()
+                "boundary = \"particles\" samples the body's mesh, which a map hasn't; give `mesh` instead"
+                    .into()
             })?;
             let at = at.key("bake");
             at.require("thickness", body.bake.thickness == 0.0, || {

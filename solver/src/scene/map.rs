@@ -66,7 +66,14 @@ impl<'a> Library<'a> {
     /// seconds.
     pub fn new(world: &World, cache: PathBuf, on_bake: &'a mut dyn FnMut(&Path)) -> Library<'a> {
         let density = (world.boundary == BoundaryMethod::DensityMap).then_some(world.kernel);
-        Library { support_radius: world.support_radius, density, cache, shapes: Vec::new(), notes: Vec::new(), on_bake }
+        Library {
+            support_radius: world.support_radius,
+            density,
+            cache,
+            shapes: Vec::new(),
+            notes: Vec::new(),
+            on_bake,
+        }
     }
 
     /// The map of a source; `key` is the scene's name for it, as `bodies[0]`. The same source gives the same
@@ -204,9 +211,11 @@ impl<'a> Library<'a> {
             grid,
             invert: settings.invert,
             thickness: settings.thickness,
-            density: density
-                .and_then(density_map::smoothing)
-                .map(|kernel| DensitySettings { kernel, extension: density_map::EXTENSION, ..DensitySettings::default() }),
+            density: density.and_then(density_map::smoothing).map(|kernel| DensitySettings {
+                kernel,
+                extension: density_map::EXTENSION,
+                ..DensitySettings::default()
+            }),
             ..Settings::default()
         };
         BakeSettings { map, ..BakeSettings::default() }

@@ -97,7 +97,11 @@ fn cases(run: &Run) -> Vec<Case> {
     add("mirror, 0.8, 2 ms".into(), Column { largest_step: 0.002, ..spread(mirror, 8.0) }, true);
     add("mirror, rp / 2".into(), Column { radius: 0.5 * RADIUS, ..filled(mirror, 4.0) }, true);
     for closure in [mirror, ClosureKind::Calibrated] {
-        add(format!("{closure}, Eq. 15"), Column { pressure: BoundaryPressure::Mirror, ..filled(closure, 4.0) }, false);
+        add(
+            format!("{closure}, Eq. 15"),
+            Column { pressure: BoundaryPressure::Mirror, ..filled(closure, 4.0) },
+            false,
+        );
     }
     all
 }
