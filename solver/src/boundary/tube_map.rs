@@ -12,8 +12,9 @@
 //! (1 - h_1 z) (1 - h_2 z) = 1 - 2 H z + K z^2        area element of parallel surfaces
 //! ```
 //! gamma, and its length e, are those of density maps (Bender et al. 2020, Eq. 11; [`super::density_map`]): both methods
-//! integrate the same. Exact for half spaces, and for balls and hollows while the kernel doesn't reach their far side; of cylinders to second
-//! order. The gradient is along the normal, where dh/dd = -h^2.
+//! integrate the same. Exact for half spaces, for hollows, and for balls whose centre is r or more from the particle; too
+//! much for smaller ones, whose far side the kernel passes; of cylinders to first order. The gradient is along the normal,
+//! where dh/dd = -h^2.
 //!
 //! Curvatures are the second derivatives of the map's distance along the surface, by differences. Of the two sides the
 //! smaller rise counts: where a probe looks past an edge or into a corner, the face below the particle is taken alone.
@@ -172,8 +173,11 @@ mod tests {
     #[test]
     fn balls_and_hollows_are_exact() {
         for kernel in KernelKind::ALL {
-            for radius in [0.6, 1.0, 4.0, -1.5, -4.0, 1e6, -1e6] {
+            for radius in [1.0, 4.0, -1.5, -4.0, 1e6, -1e6] {
                 for d in [-0.2, 0.05, 0.25, 0.5, 0.8] {
+                    if radius > 0.0 && radius + d < 1.0 {
+                        continue;
+                    }
                     let h = 1.0 / (radius + d);
                     let [value, _] = density(kernel, d, [h, h]);
                     let exact = exact(kernel, radius, d);
@@ -214,7 +218,7 @@ mod tests {
             };
             integral(0.0, 1.0, 200, |u| u * line(u) * ring(u))
         };
-        for (radius, bound) in [(4.0, 2e-3), (1.0, 1e-2), (0.5, 5e-2)] {
+        for (radius, bound) in [(4.0, 2e-3), (1.0, 2e-2), (0.5, 0.1)] {
             for d in [0.1, 0.25, 0.5] {
                 let [value, _] = density(KernelKind::CubicSpline, d, [0.0, 1.0 / (radius + d)]);
                 let ratio = value / exact(radius, d);
@@ -243,7 +247,7 @@ mod tests {
         let radius = 0.1;
         let kernel = Kernel::new(KernelKind::CubicSpline, radius);
         for (size, container, bound) in [(1.0, false, 0.03), (2.0, false, 0.02), (3.0, true, 0.03)] {
-            let mesh = crate::validation::shapes::ball(size * radius, 4);
+            let mesh = crate::validation::shapes::ball(size * radius, 5);
             let cell = 0.25 * radius;
             let shape = crate::validation::shapes::baked_finely(mesh, radius, cell, container).unwrap();
             let at = DVec3::new(0.6, -0.64, 0.48);
@@ -257,7 +261,10 @@ mod tests {
                 let h = curvatures(near.distance, &probed, step).map(|h| h * radius);
                 let [value, _] = density(kernel.kind(), near.distance / radius, h);
                 let exact = exact(kernel.kind(), side * size, d);
-                assert!((value / exact - 1.0).abs() < bound, "{size} {container} {d}: {value} {exact} {h:?}");
+                assert!(
+                    (value - exact).abs() < bound * exact.max(0.1),
+                    "{size} {container} {d}: {value} {exact} {h:?}"
+                );
             }
         }
     }
