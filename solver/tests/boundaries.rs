@@ -155,9 +155,13 @@ fn water_rests_on_particles() {
     rests(Particles, &[(Own, [1.5, 2.2], 0.65, 0.3), (Mls, [1.8, 2.7], 0.65, 0.3)]);
 }
 
-/// In a bowl, which has no edges: a tube sees one wall of two.
 #[test]
 fn water_rests_on_tubes() {
+    rests(TubeMap, &[(Own, [1.1, 1.6], 0.55, 0.3)]);
+}
+
+#[test]
+fn water_rests_on_tubes_in_a_bowl() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("bowl.obj");
     let mesh = ball(0.6, 4);

@@ -17,10 +17,11 @@
 //! where dh/dd = -h^2.
 //!
 //! Curvatures are the second derivatives of the map's distance along the surface, by differences. Of the two sides the
-//! smaller rise counts: where a probe looks past an edge or into a corner, the face below the particle is taken alone.
+//! smaller rise counts, and all the less the less straight the distance rises along the normal: where probes look past an
+//! edge or into a corner, the face below the particle is taken alone, without curvature. (With the curvatures that differences
+//! see in the corners of a box, water at rest in it boils.)
 //!
-//! One point of the surface is all that is seen. In the edges of a box that is one wall of two: water at rest in a bowl is as
-//! calm as with density maps, in a box it boils (1 m/s at rp = 0.05 m), at any size of the map's cells.
+//! One point of the surface is all that is seen: in a corner one wall of two.
 
 use super::density_map::EXTENSION;
 use super::{Contact, Pairing, Scratch};
@@ -29,7 +30,10 @@ use volmap_runtime::{Boundary, DVec3, Kernel, KernelKind, Sample};
 /// Step of the differences in support radii: a map's cell as scenes bake it.
 const STEP: f64 = 0.25;
 /// Differences for each particle.
-const PROBES: usize = 6;
+const PROBES: usize = 8;
+/// Slope of the distance along the normal, out or in, from which on curvatures count, and count in full: 1 where it is a
+/// distance to one smooth surface, 0.7 on the bisector of a corner.
+const STRAIGHT: [f64; 2] = [0.95, 0.99];
 /// Curvatures beyond this many 1/r count as this: edges are no tubes.
 const MOST_CURVED: f64 = 2.0;
 
@@ -58,11 +62,11 @@ fn in_reach(sample: &Sample, radius: f64) -> Option<Boundary> {
     sample.near().filter(|near| near.distance < (1.0 + EXTENSION) * radius)
 }
 
-/// Both ways along two tangents and their diagonal.
+/// Both ways along two tangents, their diagonal, and the normal.
 fn probes(normal: DVec3, step: f64) -> [DVec3; PROBES] {
     let (a, b) = normal.try_normalize().map_or((DVec3::X, DVec3::Y), |n| n.any_orthonormal_pair());
     let diagonal = (a + b) * 0.5_f64.sqrt();
-    [a, -a, b, -b, diagonal, -diagonal].map(|way| step * way)
+    [a, -a, b, -b, diagonal, -diagonal, normal, -normal].map(|way| step * way)
 }
 
 /// Principal curvatures (1/m) of the surface of equal distance through a point, positive where it bends away; from the
@@ -71,6 +75,8 @@ fn curvatures(at: f64, probes: &[f64; PROBES], step: f64) -> [f64; 2] {
     if !probes.iter().all(|distance| distance.is_finite()) {
         return [0.0; 2];
     }
+    let slope = (probes[6] - at).min(at - probes[7]) / step;
+    let part = ((slope - STRAIGHT[0]) / (STRAIGHT[1] - STRAIGHT[0])).clamp(0.0, 1.0);
     let along = |n: usize| {
         let [a, b] = [probes[2 * n] - at, probes[2 * n + 1] - at];
         let rise = if a * b <= 0.0 { 0.0 } else { a.abs().min(b.abs()).copysign(a) };
@@ -79,7 +85,7 @@ fn curvatures(at: f64, probes: &[f64; PROBES], step: f64) -> [f64; 2] {
     let [a, b, diagonal] = [along(0), along(1), along(2)];
     let (mean, mixed) = (0.5 * (a + b), diagonal - 0.5 * (a + b));
     let spread = (0.5 * (a - b)).hypot(mixed);
-    [mean - spread, mean + spread]
+    [part * (mean - spread), part * (mean + spread)]
 }
 
 /// Gauss and Legendre's rule of ten points: nodes and weights of [0, 1], mirrored.
@@ -238,8 +244,10 @@ mod tests {
         let axis = |x: DVec3| x.truncate().length();
         let [a, b] = measured(&axis, at.with_z(0.0).normalize());
         assert!(a.abs() < 0.05 && (b * axis(at) - 1.0).abs() < 0.05, "{a} {b}");
-        // Above a floor, beside a wall at x = 0.2: probes reach into the corner.
+        // Above a floor, beside a wall that probes reach; and on the bisector.
         assert_eq!(measured(&|x| x.y.min(x.x + 0.55), DVec3::Y), [0.0; 2]);
+        let bisector = DVec3::new(0.5_f64.sqrt(), 0.5_f64.sqrt(), 0.0);
+        assert_eq!(measured(&|x| x.y.min(x.x + 0.5), bisector).map(f64::abs), [0.0; 2]);
     }
 
     #[test]
