@@ -270,3 +270,14 @@ fn maps_without_the_density_of_the_kernel_are_refused() {
     let error = Boundary::new(&world, &setup.fluid, &setup.bodies).unwrap_err().to_string();
     assert!(error.contains("cubic_spline, the scene's is wendland_c2"), "{error}");
 }
+
+#[test]
+fn assets_without_a_density_are_refused_with_the_cure() {
+    let folder = tempfile::tempdir().unwrap();
+    prepare(&Scene { cache: Some(folder.path().into()), ..tank(VolumeMap, Own) }, &mut |_| ()).unwrap();
+    let map = std::fs::read_dir(folder.path()).unwrap().next().unwrap().unwrap().path();
+    let scene = scene(DensityMap, Own, vec![Body { map: Some(map), ..Body::default() }]);
+    let error = prepare(&scene, &mut |_| ()).unwrap_err().to_string();
+    assert!(error.starts_with("bodies[0].map") && error.contains("it holds no density"), "{error}");
+    assert!(error.contains("--support-radius 0.2 --invert --density --kernel cubic_spline"), "{error}");
+}

@@ -148,8 +148,9 @@ impl<'a> Library<'a> {
         let invert = if shape.map.exterior() == Exterior::Solid { " --invert" } else { "" };
         let name = density_map::smoothing(kernel).unwrap_or_default();
         let reason = format!(
-            "{file} can't be used with boundary = \"density_map\": {defect}; bake its mesh again: volmap bake MESH -o {file} \
-             --support-radius {}{invert} --density --kernel {name}, or name the mesh in the scene instead",
+            "{file} can't be used with boundary = \"density_map\": {defect}; name the mesh in the scene instead, or bake it \
+             again: volmap bake MESH -o {file} --support-radius {}{invert} --density --kernel {name} (its gamma ends at r, \
+             as in the paper, and the fluid keeps farther from walls)",
             self.support_radius
         );
         Err(Error::Scene { place: format!("{key}.map"), reason })
