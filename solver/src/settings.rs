@@ -153,7 +153,9 @@ impl World {
     pub fn map_closure(&self) -> ClosureKind {
         match self.boundary {
             BoundaryMethod::VolumeMap => self.closure,
-            BoundaryMethod::DensityMap | BoundaryMethod::Particles | BoundaryMethod::TubeMap => ClosureKind::Calibrated,
+            BoundaryMethod::DensityMap | BoundaryMethod::Particles | BoundaryMethod::TubeMap => {
+                ClosureKind::Calibrated
+            }
         }
     }
 }
