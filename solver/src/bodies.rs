@@ -25,6 +25,8 @@ pub use path::{Interpolation, Key, Keys, Moving, Path, Spin};
 
 use crate::Error;
 use rapier3d_f64::prelude::RigidBodyHandle;
+use std::sync::Arc;
+use volmap_formats::mesh::TriangleMesh;
 use volmap_runtime::{DVec3, Pose, PosedMap};
 use world::World;
 
@@ -43,6 +45,7 @@ pub struct Bodies {
 /// What doesn't change of a body.
 struct Body {
     name: String,
+    mesh: Option<Arc<TriangleMesh>>,
     start: Pose,
     motion: Motion,
     fluid_contact: FluidContact,
@@ -109,8 +112,8 @@ impl Bodies {
             };
             let handle = world.add(&body, pose, mass.as_ref(), shape);
             posed.push(PosedMap { map: body.map, pose });
-            let BodyDescription { name, motion, fluid_contact, .. } = body;
-            bodies.push(Body { name, start, motion, fluid_contact, mass, handle });
+            let BodyDescription { name, mesh, motion, fluid_contact, .. } = body;
+            bodies.push(Body { name, mesh, start, motion, fluid_contact, mass, handle });
         }
         let rest = Velocity { at: DVec3::ZERO, linear: DVec3::ZERO, angular: DVec3::ZERO };
         let count = bodies.len();
@@ -139,6 +142,11 @@ impl Bodies {
     /// How a body's surface feels to the fluid.
     pub fn fluid_contact(&self, body: usize) -> FluidContact {
         self.bodies[body].fluid_contact
+    }
+
+    /// A body's mesh in its map's frame, if it was given.
+    pub fn mesh(&self, body: usize) -> Option<&Arc<TriangleMesh>> {
+        self.bodies[body].mesh.as_ref()
     }
 
     /// Whether forces move a body.

@@ -1,12 +1,31 @@
-//! What the particles near a body see of it: the one place where volume maps are asked, once per step and particle.
+//! What the particles near a body see of it, once a step: one small interface for all boundary methods.
 //!
-//! Bender et al. 2020, section 4.3: distance, closest point and volume become a density and its gradient by a closure.
+//! Every method makes contacts, each with a density and its gradient; their sum is a particle's wall. A method is a file:
+//!
+//! - [`volume_map`]: Bender et al. 2020, *Implicit Frictional Boundary Handling for SPH*, section 4.3, with any closure;
+//! - [`density_map`]: Koschier and Bender 2017, *Density Maps for Improved SPH Boundary Handling*;
+//! - [`particles`]: Akinci et al. 2012, *Versatile Rigid-Fluid Coupling for Incompressible SPH*;
+//! - [`tube_map`]: Nogina and Sellan 2026, *Tube Maps*, in our own derivation;
+//!
+//! and [`pressure`] is what pressure the boundary has at a contact. Which particles are in a body the map tells, whatever
+//! the method.
 
-use crate::bodies::Bodies;
+pub mod density_map;
+pub mod particles;
+pub mod pressure;
+pub mod sampling;
+pub mod tube_map;
+pub mod volume_map;
+
+use crate::bodies::{Bodies, FluidContact};
+use crate::error::Error;
 use crate::neighbours::CHUNK;
+use crate::settings::{BoundaryMethod, FluidSettings, World};
 use crate::viscosity::drag::Drag;
+use particles::BodyParticles;
 use rayon::prelude::*;
-use volmap_runtime::{Closure, DVec3, PosedMap, Sample};
+use std::sync::Arc;
+use volmap_runtime::{Closure, ClosureKind, DVec3, Density, Kernel, PosedMap, Sample, Values};
 
 /// All bodies together, as one particle sees them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -19,13 +38,15 @@ pub struct Wall {
     pub flux: f32,
 }
 
-/// A particle and a body in reach of each other.
+/// A particle and a body in reach of each other: one for each of them on maps, one for each of the body's particles else.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
     /// The particle.
     pub particle: u32,
     /// The body.
     pub body: u32,
+    /// Where the boundary's pressure is one, among all such sites: of a boundary particle the same in all its contacts.
+    pub site: u32,
     /// The body's part of the density, rho_B / rho_0.
     pub density: f32,
     /// Its gradient, 1/m.
@@ -48,11 +69,23 @@ pub struct Inside {
 }
 
 /// The bodies' part in a step.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Boundary {
     /// One for each particle.
     pub of_particle: Vec<Wall>,
+    kernel: Kernel,
+    method: Method,
     chunks: Vec<ChunkContacts>,
+}
+
+/// How bodies are seen, with what it needs.
+#[derive(Clone, Debug)]
+enum Method {
+    VolumeMap(Box<Closure>),
+    DensityMap,
+    /// One for each body.
+    Particles(Kernel, Vec<Arc<BodyParticles>>),
+    TubeMap(Kernel),
 }
 
 /// Contacts of a chunk of particles, body after body.
@@ -61,25 +94,68 @@ struct ChunkContacts {
     contacts: Vec<Contact>,
     inside: Vec<Inside>,
     drags: Vec<Drag>,
+    scratch: Scratch,
+}
+
+/// What the maps answer.
+#[derive(Clone, Debug, Default)]
+struct Scratch {
     samples: Vec<(Sample, DVec3)>,
+    densities: Vec<Option<Density>>,
+    points: Vec<DVec3>,
+    values: Vec<Values>,
+}
+
+/// A chunk of particles, and the body that they may touch.
+#[derive(Clone, Copy)]
+struct Pairing<'a> {
+    bodies: &'a Bodies,
+    body: usize,
+    /// First particle of the chunk.
+    first: usize,
+    positions: &'a [DVec3],
 }
 
 impl Boundary {
-    /// Asks the maps of all bodies for all particles (positions in metres).
-    pub fn sample(&mut self, bodies: &Bodies, closure: &Closure, positions: &[DVec3]) {
+    /// The boundary of these bodies by the method of the world.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for a body that hasn't what the method needs: a mesh, or a density in its map.
+    pub fn new(world: &World, fluid: &FluidSettings, bodies: &Bodies) -> Result<Boundary, Error> {
+        let kernel = Kernel::new(world.kernel, world.support_radius);
+        let method = match world.boundary {
+            BoundaryMethod::VolumeMap => Method::VolumeMap(Box::new(closure(world, fluid, kernel))),
+            BoundaryMethod::DensityMap => {
+                density_map::check(bodies, world.kernel)?;
+                Method::DensityMap
+            }
+            BoundaryMethod::Particles => {
+                Method::Particles(kernel, particles::of_bodies(bodies, world.particle_radius, &kernel)?)
+            }
+            BoundaryMethod::TubeMap => Method::TubeMap(kernel),
+        };
+        Ok(Boundary { of_particle: Vec::new(), kernel, method, chunks: Vec::new() })
+    }
+
+    /// Finds the contacts of all particles (positions in metres) with all bodies.
+    pub fn sample(&mut self, bodies: &Bodies, positions: &[DVec3]) {
         self.of_particle.clear();
         self.of_particle.resize(positions.len(), Wall::default());
         self.chunks.resize_with(positions.len().div_ceil(CHUNK), ChunkContacts::default);
-        let chunks = self.chunks.par_iter_mut().zip(self.of_particle.par_chunks_mut(CHUNK));
+        let (method, kernel, chunks) = (&self.method, &self.kernel, self.chunks.par_iter_mut());
+        let chunks = chunks.zip(self.of_particle.par_chunks_mut(CHUNK));
         chunks.zip(positions.par_chunks(CHUNK)).enumerate().for_each(|(chunk, ((out, walls), positions))| {
+            let first = chunk * CHUNK;
             out.contacts.clear();
             out.inside.clear();
             out.drags.clear();
             for body in 0..bodies.posed().len() {
-                out.touch(bodies, body, closure, (chunk * CHUNK, positions));
+                let pairing = Pairing { bodies, body, first, positions };
+                out.touch(method, pairing);
+                out.drag(method, pairing, kernel);
             }
             for contact in &out.contacts {
-                walls[contact.particle as usize - chunk * CHUNK].add(contact);
+                walls[contact.particle as usize - first].add(contact);
             }
         });
     }
@@ -99,6 +175,11 @@ impl Boundary {
         &self.chunks[chunk].drags
     }
 
+    /// The contacts of a chunk of particles.
+    pub fn contacts_of_chunk(&self, chunk: usize) -> &[Contact] {
+        self.chunks.get(chunk).map_or(&[], |chunk| &chunk.contacts)
+    }
+
     /// Largest speed of a body at a contact, m/s.
     pub fn max_speed(&self) -> f64 {
         self.contacts().map(|contact| contact.velocity.length_squared()).fold(0.0, f64::max).sqrt()
@@ -108,42 +189,92 @@ impl Boundary {
     pub fn inside(&self) -> impl Iterator<Item = &Inside> {
         self.chunks.iter().flat_map(|chunk| &chunk.inside)
     }
+
+    /// Boundary particles of all bodies; none where there are maps.
+    pub fn particle_count(&self) -> usize {
+        match &self.method {
+            Method::Particles(_, bodies) => bodies.iter().map(|body| body.len()).sum(),
+            _ => 0,
+        }
+    }
+
+    /// Bytes held by contacts and boundary particles.
+    pub fn memory_bytes(&self) -> usize {
+        let contacts: usize = self.chunks.iter().map(|chunk| chunk.contacts.capacity()).sum();
+        let particles = self.particle_count() * (size_of::<DVec3>() + size_of::<f64>());
+        contacts * size_of::<Contact>() + self.of_particle.capacity() * size_of::<Wall>() + particles
+    }
+}
+
+/// The closure for the fluid's particles.
+fn closure(world: &World, fluid: &FluidSettings, kernel: Kernel) -> Closure {
+    // The lattice of particles of less volume is closer.
+    let radius = match world.closure {
+        ClosureKind::Offset => world.particle_radius,
+        _ => world.particle_radius * fluid.volume_factor.cbrt(),
+    };
+    Closure::new(world.closure, kernel, radius)
 }
 
 impl ChunkContacts {
-    fn touch(&mut self, bodies: &Bodies, body: usize, closure: &Closure, chunk: (usize, &[DVec3])) {
-        let (first, positions) = chunk;
-        let map: &PosedMap = &bodies.posed()[body];
-        map.sample_with_gradient_batch(positions, &mut self.samples);
-        for (within, ((sample, volume_gradient), &position)) in self.samples.iter().zip(positions).enumerate()
-        {
-            let particle = (first + within) as u32;
-            let inside = |way_out| Inside { particle, body: body as u32, way_out };
-            let near = match sample {
-                Sample::Outside => continue,
-                Sample::DeepInside => {
-                    self.inside.push(inside(None));
-                    continue;
-                }
-                Sample::Near(near) => near,
+    fn touch(&mut self, method: &Method, pairing: Pairing) {
+        let ChunkContacts { contacts, inside, scratch, .. } = self;
+        pairing.map().sample_with_gradient_batch(pairing.positions, &mut scratch.samples);
+        inside.extend(scratch.samples.iter().enumerate().filter_map(|(i, (at, _))| pairing.inside(i, at)));
+        match method {
+            Method::VolumeMap(closure) => volume_map::touch(pairing, closure, &scratch.samples, contacts),
+            Method::DensityMap => density_map::touch(pairing, scratch, contacts),
+            Method::Particles(kernel, all) => {
+                particles::touch(pairing, kernel, &all[pairing.body], contacts);
+            }
+            Method::TubeMap(kernel) => tube_map::touch(pairing, kernel, scratch, contacts),
+        }
+    }
+
+    /// Drag goes by the map's volume, whatever the method; after `touch`.
+    fn drag(&mut self, method: &Method, pairing: Pairing, kernel: &Kernel) {
+        let contact = pairing.bodies.fluid_contact(pairing.body);
+        if contact == FluidContact::default() {
+            return;
+        }
+        for (within, (sample, _)) in self.scratch.samples.iter().enumerate() {
+            let Sample::Near(near) = sample else { continue };
+            let volume = match method {
+                Method::VolumeMap(closure) => closure.volume(near),
+                _ => near.volume,
             };
-            if near.distance < 0.0 {
-                self.inside.push(inside(Some(-near.distance * near.normal)));
-            }
-            let of = [particle, body as u32];
-            let wide = volmap_runtime::Boundary { volume: closure.volume(near), ..*near };
-            self.drags.extend(Drag::new(of, position, &wide, bodies.fluid_contact(body), closure.kernel()));
-            let distance = |point| map.values(point).distance;
-            if let Some(density) = closure.density_probing(near, Some(*volume_gradient), position, distance) {
-                self.contacts.push(Contact {
-                    particle,
-                    body: body as u32,
-                    density: density.density as f32,
-                    gradient: density.gradient.as_vec3().to_array(),
-                    point: density.point,
-                    velocity: bodies.velocity_at(body, density.point),
-                });
-            }
+            let of = [(pairing.first + within) as u32, pairing.body as u32];
+            let wide = volmap_runtime::Boundary { volume, ..*near };
+            self.drags.extend(Drag::new(of, pairing.positions[within], &wide, contact, kernel));
+        }
+    }
+}
+
+impl Pairing<'_> {
+    fn map(&self) -> &PosedMap {
+        &self.bodies.posed()[self.body]
+    }
+
+    /// Whether the chunk's particle number `within` is in the body.
+    fn inside(&self, within: usize, sample: &Sample) -> Option<Inside> {
+        let way_out = match sample {
+            Sample::DeepInside => None,
+            Sample::Near(near) if near.distance < 0.0 => Some(-near.distance * near.normal),
+            _ => return None,
+        };
+        Some(Inside { particle: (self.first + within) as u32, body: self.body as u32, way_out })
+    }
+
+    /// A contact of the chunk's particle number `within`.
+    fn contact(&self, within: usize, density: f64, gradient: DVec3, point: DVec3) -> Contact {
+        Contact {
+            particle: (self.first + within) as u32,
+            body: self.body as u32,
+            site: 0,
+            density: density as f32,
+            gradient: gradient.as_vec3().to_array(),
+            point,
+            velocity: self.bodies.velocity_at(self.body, point),
         }
     }
 }

@@ -24,21 +24,21 @@ pub fn push(bodies: &mut Bodies, forces: &[[DVec3; 2]]) {
 pub fn forces(bodies: &Bodies, fields: &Fields, solve: &Solve, mass: f64) -> Motions {
     let free = (0..bodies.posed().len()).any(|body| bodies.is_free(body));
     let contacts = solve.boundary.contacts().filter(|_| free);
-    let factor = |particle: usize| solve.wall_factor(fields.places[particle][3], fields.densities[particle]);
-    sum(bodies, contacts, factor, mass)
+    let pressures = fields.pressures();
+    sum(bodies, contacts, |contact| solve.wall.factor(pressures, contact), mass)
 }
 
-/// Force and torque about the centre of mass of each body at these contacts; `factor` is what a particle's gradient is
+/// Force and torque about the centre of mass of each body at these contacts; `factor` is what a contact's gradient is
 /// multiplied by, m^2/s^2.
 pub fn sum<'a>(
     bodies: &Bodies,
     contacts: impl Iterator<Item = &'a Contact>,
-    factor: impl Fn(usize) -> f32,
+    factor: impl Fn(&Contact) -> f32,
     mass: f64,
 ) -> Motions {
     let mut out = vec![[DVec3::ZERO; 2]; bodies.posed().len()];
     for contact in contacts {
-        let force = mass * f64::from(factor(contact.particle as usize)) * contact.gradient();
+        let force = mass * f64::from(factor(contact)) * contact.gradient();
         let [sum, torque] = &mut out[contact.body as usize];
         *sum += force;
         *torque += arm(bodies, contact).cross(force);

@@ -50,6 +50,8 @@ pub struct Fields {
     /// empty where none is near.
     pub(crate) body_flux: Vec<f32>,
     pub(crate) body_factors: Vec<f32>,
+    /// p_b / rho_0 where the boundary's pressure is extrapolated to, m^2/s^2.
+    pub(crate) site_pressures: Vec<f32>,
 }
 
 /// Farther than any particle, in support radii; its square is still a number.

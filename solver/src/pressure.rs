@@ -4,11 +4,12 @@
 //! a_j) . grad W_ij + a_i . grad rho_B / rho_0, for the accelerations a of Eq. 1; both solves look for P >= 0 so that
 //! source + A <= 0, with equality where P > 0.
 //!
-//! The boundary's part of a is Eq. 15 of Bender et al. 2020. Its second term, the mirrored pressure, is left out unless
-//! asked for: without it, forces are the gradient of what is to be kept constant, so that the solves take no energy from
-//! the boundary and give it none. The closure `mirror` has the image's part in its gradient.
+//! The boundary's part of a is Eq. 15 of Bender et al. 2020. Its second term, the boundary's pressure, is left out unless
+//! asked for ([`crate::boundary::pressure`]): without it, forces are the gradient of what is to be kept constant, so that
+//! the solves take no energy from the boundary and give it none. The closure `mirror` has the image's part in its gradient.
 
 use crate::boundary::Boundary;
+use crate::boundary::pressure::{Pressures, WallPressure};
 use crate::fields::{Discretization, Fields};
 use crate::neighbours::{CHUNK, Neighbours};
 use crate::pairs::lanes::Quad;
@@ -112,29 +113,35 @@ impl Fields {
     /// What the free bodies' accelerations by the pressures are to each particle.
     fn respond(&mut self, solve: &Solve) {
         if !solve.response.is_empty() {
-            let (places, densities) = (&self.places, &self.densities);
-            self.body_flux.fill(0.0);
-            let factor = |particle: usize| solve.wall_factor(places[particle][3], densities[particle]);
-            solve.response.add_response(factor, &mut self.body_flux);
+            let mut body_flux = std::mem::take(&mut self.body_flux);
+            body_flux.fill(0.0);
+            let pressures = self.pressures();
+            solve.response.add_response(|contact| solve.wall.factor(pressures, contact), &mut body_flux);
+            self.body_flux = body_flux;
         }
     }
 
     /// Accelerations by the pressures: Eq. 1 of Band et al. with the boundary's part as Eq. 15 of Bender et al.
     fn accelerate_by_pressure(&mut self, solve: &Solve) {
-        let (pairs, places, densities) = (solve.with.pairs(&self.places), &self.places, &self.densities);
-        let chunks = self.accelerations.par_chunks_mut(CHUNK).zip(solve.neighbours.chunks());
-        chunks.for_each(|(out, lists)| {
+        solve.wall.at_sites(&self.places, &mut self.site_pressures);
+        let mut accelerations = std::mem::take(&mut self.accelerations);
+        let (pairs, pressures) = (solve.with.pairs(&self.places), self.pressures());
+        let chunks = accelerations.par_chunks_mut(CHUNK).zip(solve.neighbours.chunks()).enumerate();
+        chunks.for_each(|(chunk, (out, lists))| {
             let mut sums = [[0.0; 3]; CHUNK];
             let sums = &mut sums[..lists.len()];
             pairs.acceleration(lists, sums);
-            for (within, (out, sum)) in out.iter_mut().zip(sums).enumerate() {
-                let particle = lists.first + within;
-                let wall = solve.boundary.of_particle[particle];
-                let factor = -solve.wall_factor(places[particle][3], densities[particle]);
-                let [x, y, z] = std::array::from_fn(|axis| sum[axis] + factor * wall.gradient[axis]);
+            solve.wall.accelerate(solve.boundary, chunk, pressures, sums);
+            for (out, &mut [x, y, z]) in out.iter_mut().zip(sums) {
                 *out = [x, y, z, 0.0];
             }
         });
+        self.accelerations = accelerations;
+    }
+
+    /// Pressures of fluid and boundary in this iteration.
+    pub(crate) fn pressures(&self) -> Pressures<'_> {
+        Pressures { places: &self.places, densities: &self.densities, sites: &self.site_pressures }
     }
 
     /// A Jacobi step into `next_places`; the mean error of the pressures before it.
@@ -182,21 +189,12 @@ pub struct Solve<'a> {
     pub response: Response<'a>,
     /// When to stop.
     pub settings: &'a SolveSettings,
-    /// Whether the boundary's pressure is added as Eq. 15 of Bender et al. 2020 has it.
-    pub mirrored: bool,
+    /// The boundary's pressure.
+    pub wall: WallPressure<'a>,
     /// Relaxation of the Jacobi steps, omega.
     pub relaxation: f32,
     /// Time step, seconds.
     pub dt: f64,
-}
-
-impl Solve<'_> {
-    /// What the boundary's gradient is multiplied by: Eq. 15 of Bender et al. 2020 over rho_0; p_i / rho_i^2 alone or with
-    /// the mirrored p_i / rho_0^2, which is P D^2.
-    #[inline]
-    pub fn wall_factor(&self, pressure: f32, density: f32) -> f32 {
-        if self.mirrored { pressure * (1.0 + density * density) } else { pressure }
-    }
 }
 
 fn dot(a: Quad, b: [f32; 3]) -> f32 {

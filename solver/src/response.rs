@@ -42,8 +42,8 @@ impl<'a> Response<'a> {
         self.add(&self.known, flux);
     }
 
-    /// The same of the accelerations by the fluid; `factor` is what a particle's gradient is multiplied by, m^2/s^2.
-    pub fn add_response(&self, factor: impl Fn(usize) -> f32, flux: &mut [f32]) {
+    /// The same of the accelerations by the fluid; `factor` is what a contact's gradient is multiplied by, m^2/s^2.
+    pub fn add_response(&self, factor: impl Fn(&Contact) -> f32, flux: &mut [f32]) {
         let pushes = coupling::sum(self.bodies, self.contacts.iter().copied(), factor, self.mass);
         let motion =
             |(body, [force, torque]): (usize, &[DVec3; 2])| self.bodies.response(body, *force, *torque);

@@ -32,7 +32,7 @@ pub use read::{Syntax, load, parse};
 pub use summary::{Summary, check, info};
 
 use crate::error::Error;
-use crate::settings::{FluidSettings, SolverSettings, World};
+use crate::settings::{BoundaryMethod, FluidSettings, SolverSettings, World};
 use check::{At, Checked};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -58,9 +58,12 @@ pub struct Scene {
     /// SPH kernel.
     #[serde(default)]
     pub kernel: KernelKind,
-    /// How a map's volume becomes a density.
-    #[serde(default = "default_closure")]
-    pub closure: ClosureKind,
+    /// How the fluid sees bodies.
+    #[serde(default)]
+    pub boundary: BoundaryMethod,
+    /// How a map's volume becomes a density, with `volume_map` only. Default: mirror.
+    #[serde(default)]
+    pub closure: Option<ClosureKind>,
     /// Gravity, m/s^2. Default: 9.81 downwards.
     #[serde(default = "default_gravity")]
     pub gravity: [f64; 3],
@@ -97,10 +100,6 @@ pub struct Scene {
     pub stop: StopSettings,
 }
 
-fn default_closure() -> ClosureKind {
-    World::default().closure
-}
-
 fn default_gravity() -> [f64; 3] {
     World::default().gravity.to_array()
 }
@@ -113,7 +112,8 @@ impl Default for Scene {
             particle_radius: World::default().particle_radius,
             support_radius: None,
             kernel: World::default().kernel,
-            closure: default_closure(),
+            boundary: BoundaryMethod::default(),
+            closure: None,
             gravity: default_gravity(),
             domain: None,
             cache: None,
@@ -153,7 +153,8 @@ impl Scene {
             particle_radius: self.particle_radius,
             support_radius: self.support_radius(),
             kernel: self.kernel,
-            closure: self.closure,
+            boundary: self.boundary,
+            closure: self.closure.unwrap_or(World::default().closure),
             gravity: self.gravity.into(),
         }
     }
@@ -190,6 +191,7 @@ impl Scene {
         if let Some(domain) = &self.domain {
             domain.check(&top.key("domain"))?;
         }
+        check::boundary(&top, self)?;
         check::fluid(&top.key("fluid"), &self.fluid)?;
         check::solver(&top.key("solver"), &self.solver)?;
         check::viscosity(&top.key("fluid"), &self.fluid, &self.solver, &self.world())?;

@@ -73,7 +73,7 @@ impl Session {
         let meshes = body_meshes(&prepared.bodies);
         let world = picture_world(&scene, &prepared, &meshes);
         let names: Vec<String> = prepared.bodies.iter().map(|body| body.name.clone()).collect();
-        let mut simulation = Simulation::new(assemble(&scene, prepared)?);
+        let mut simulation = Simulation::new(assemble(&scene, prepared)?)?;
         let start = if settings.resume {
             let frames = resume::load(&mut simulation, &checkpoint, &identity)?;
             Some(output::folder::Start { step: simulation.steps(), frames })

@@ -19,9 +19,8 @@ pub struct SolverSettings {
     pub viscosity: ViscositySolveSettings,
     /// Relaxation of the Jacobi steps, omega of Algorithm 1.
     pub relaxation: f64,
-    /// Whether the boundary's mirrored pressure is added, as Eq. 15 of Bender et al. 2020 has it. Without it forces are
-    /// the gradient of the boundary's density, and a fluid at rest is calmer: solver/VALIDATION.md.
-    pub mirrored_pressure: bool,
+    /// The boundary's pressure in the force on the fluid.
+    pub boundary_pressure: BoundaryPressure,
     /// Pressures begin as this part of the last step's; 0: from zero, as Algorithm 1 has it.
     pub warm_start: f64,
     /// The time step.
@@ -112,6 +111,55 @@ pub enum ViscosityMethod {
     Implicit,
 }
 
+/// How the fluid sees bodies.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum BoundaryMethod {
+    /// By the volume of the body in reach and a closure (Bender et al. 2020).
+    #[default]
+    VolumeMap,
+    /// By the density itself, baked for the scene's kernel (Koschier and Bender 2017).
+    DensityMap,
+    /// By particles on the surface of its mesh (Akinci et al. 2012).
+    Particles,
+    /// By distance and curvature at the closest point of its map (after Nogina and Sellan 2026).
+    TubeMap,
+}
+
+/// The boundary's pressure p_b in the force on the fluid, beside the particle's own pressure (Band et al. 2018, Eq. 1).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum BoundaryPressure {
+    /// None: forces are the gradient of the boundary's density, and a fluid at rest is calmer (solver/VALIDATION.md).
+    #[default]
+    Own,
+    /// That of the particle (Akinci et al. 2012; Eq. 15 of Bender et al. 2020).
+    Mirror,
+    /// The mean of the fluid's near the site, and its weight (Adami et al. 2012; Band et al. 2018, Eq. 3).
+    Sph,
+    /// The fluid's, extrapolated by moving least squares (Band et al. 2018, Eq. 4 to 16).
+    Mls,
+}
+
+impl BoundaryPressure {
+    /// Whether it is extrapolated from the fluid to sites.
+    pub fn is_extrapolated(self) -> bool {
+        matches!(self, BoundaryPressure::Sph | BoundaryPressure::Mls)
+    }
+}
+
+impl World {
+    /// The closure whose maps bodies need: those of other methods than volume maps have the kernel's support radius.
+    pub fn map_closure(&self) -> ClosureKind {
+        match self.boundary {
+            BoundaryMethod::VolumeMap => self.closure,
+            BoundaryMethod::DensityMap | BoundaryMethod::Particles | BoundaryMethod::TubeMap => {
+                ClosureKind::Calibrated
+            }
+        }
+    }
+}
+
 /// What the whole scene shares.
 #[derive(Clone, Debug, PartialEq)]
 pub struct World {
@@ -121,7 +169,9 @@ pub struct World {
     pub support_radius: f64,
     /// The kernel.
     pub kernel: KernelKind,
-    /// From the boundary's volume to its density.
+    /// How the fluid sees bodies.
+    pub boundary: BoundaryMethod,
+    /// From the boundary's volume to its density; of volume maps.
     pub closure: ClosureKind,
     /// Gravity, m/s^2.
     pub gravity: DVec3,
@@ -134,7 +184,7 @@ impl Default for SolverSettings {
             divergence: SolveSettings::of_divergence(),
             viscosity: ViscositySolveSettings::default(),
             relaxation: 0.5,
-            mirrored_pressure: false,
+            boundary_pressure: BoundaryPressure::Own,
             warm_start: 0.5,
             time_step: TimeStepSettings::default(),
         }
@@ -195,6 +245,7 @@ impl Default for World {
             particle_radius: 0.025,
             support_radius: 0.1,
             kernel: KernelKind::CubicSpline,
+            boundary: BoundaryMethod::VolumeMap,
             closure: ClosureKind::Mirror,
             gravity: DVec3::new(0.0, -9.81, 0.0),
         }

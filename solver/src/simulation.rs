@@ -2,6 +2,7 @@
 
 use crate::bodies::Bodies;
 use crate::boundary::Boundary;
+use crate::boundary::pressure::{self, Extrapolation, WallPressure};
 use crate::cells::Cells;
 use crate::coupling;
 use crate::error::Error;
@@ -17,7 +18,7 @@ use crate::strays;
 use crate::time_step::{time_step, viscous_limit};
 use crate::viscosity::{ViscousSolver, ViscousSystem};
 use rayon::prelude::*;
-use volmap_runtime::{Closure, ClosureKind, DVec3, Kernel};
+use volmap_runtime::DVec3;
 
 /// What a simulation begins with. Numbers must be finite and in range: see [`crate::scene`].
 pub struct Setup {
@@ -43,7 +44,6 @@ pub struct Simulation {
     fluid: FluidSettings,
     solver: SolverSettings,
     domain: [DVec3; 2],
-    closure: Closure,
     pub(crate) particles: Particles,
     pub(crate) emitters: Vec<Emitter>,
     pub(crate) bodies: Bodies,
@@ -57,6 +57,7 @@ pub struct Simulation {
     order: Vec<u32>,
     neighbours: Neighbours,
     boundary: Boundary,
+    extrapolation: Extrapolation,
     fields: Fields,
     viscous: ViscousSolver,
     stages: Stages,
@@ -113,18 +114,15 @@ pub struct StepReport {
 
 impl Simulation {
     /// A simulation at time 0.
-    pub fn new(setup: Setup) -> Simulation {
+    ///
+    /// # Errors
+    /// As [`Boundary::new`].
+    pub fn new(setup: Setup) -> Result<Simulation, Error> {
         let Setup { world, fluid, solver, particles, emitters, bodies, domain } = setup;
         let densities = vec![1.0; particles.len()];
-        let kernel = Kernel::new(world.kernel, world.support_radius);
-        // The lattice of particles of less volume is closer.
-        let radius = match world.closure {
-            ClosureKind::Offset => world.particle_radius,
-            _ => world.particle_radius * fluid.volume_factor.cbrt(),
-        };
-        Simulation {
+        let boundary = Boundary::new(&world, &fluid, &bodies)?;
+        Ok(Simulation {
             domain: domain.unwrap_or_else(|| default_domain(&particles, &emitters, &bodies, &world)),
-            closure: Closure::new(world.closure, kernel, radius),
             world,
             fluid,
             solver,
@@ -138,11 +136,12 @@ impl Simulation {
             cells: Cells::default(),
             order: Vec::new(),
             neighbours: Neighbours::default(),
-            boundary: Boundary::default(),
+            boundary,
+            extrapolation: Extrapolation::default(),
             fields: Fields { densities, ..Fields::default() },
             viscous: ViscousSolver::default(),
             stages: Stages::default(),
-        }
+        })
     }
 
     /// One step: PERFORM SIMULATION of Algorithm 1, and the bodies.
@@ -225,11 +224,20 @@ impl Simulation {
     }
 
     fn compute_density(&mut self) {
-        self.boundary.sample(&self.bodies, &self.closure, &self.particles.positions);
+        self.boundary.sample(&self.bodies, &self.particles.positions);
         self.body_speed = self.boundary.max_speed();
         self.stages.end(|stages| &mut stages.boundary);
         self.fields.compute_density(self.discretization(), &mut self.neighbours, &self.boundary);
         self.stages.end(|stages| &mut stages.density);
+        let fluid = pressure::Fluid {
+            cells: &self.cells,
+            positions: &self.particles.positions,
+            densities: &self.fields.densities,
+            with: self.discretization(),
+            gravity: self.world.gravity,
+        };
+        self.extrapolation.find(self.solver.boundary_pressure, &mut self.boundary, fluid);
+        self.stages.end(|stages| &mut stages.boundary);
     }
 
     fn correct_divergence_error(&mut self, dt: f64) -> SolveReport {
@@ -308,13 +316,14 @@ impl Simulation {
     fn solve(&self, goal: Goal, dt: f64) -> Solve<'_> {
         // By then the fluid's velocities have been changed by gravity and the first solve, the bodies' not yet.
         let after_gravity = goal == Goal::Density;
+        let kind = self.solver.boundary_pressure;
         Solve {
             with: self.discretization(),
             neighbours: &self.neighbours,
             boundary: &self.boundary,
             response: Response::new(&self.bodies, &self.boundary, self.particle_mass(), after_gravity),
             settings: goal.settings(&self.solver),
-            mirrored: self.solver.mirrored_pressure,
+            wall: WallPressure::new(kind, &self.boundary, &self.extrapolation, after_gravity),
             relaxation: self.solver.relaxation as f32,
             dt,
         }
@@ -384,6 +393,11 @@ impl Simulation {
         &self.body_forces
     }
 
+    /// Boundary particles of all bodies; none where there are maps.
+    pub fn boundary_particles(&self) -> usize {
+        self.boundary.particle_count()
+    }
+
     /// Mean number of neighbours in the last step, the filling of the last group included.
     pub fn mean_neighbours(&self) -> f64 {
         self.neighbours.entries() as f64 / self.particles.len().max(1) as f64
@@ -411,7 +425,8 @@ impl Simulation {
 
     /// Bytes held by particles and lists.
     pub fn memory_bytes(&self) -> usize {
-        self.neighbours.memory_bytes() + self.particles.memory_bytes() + self.fields.memory_bytes()
+        let lists = self.neighbours.memory_bytes() + self.extrapolation.memory_bytes();
+        lists + self.boundary.memory_bytes() + self.particles.memory_bytes() + self.fields.memory_bytes()
     }
 }
 

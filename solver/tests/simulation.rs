@@ -68,7 +68,7 @@ fn fluid_and_body_keep_their_momentum() {
     let mut setup = setup(&scene(vec![solid(0.161_290_322_58, [0.0; 3], free)]));
     setup.particles = fluid(&block(DVec3::new(-1.5, -0.1, -0.3), [8, 8, 7]), |_| [2.0, 0.0, 0.0]);
     setup.domain = Some([DVec3::splat(-50.0), DVec3::splat(50.0)]);
-    let mut simulation = Simulation::new(setup);
+    let mut simulation = Simulation::new(setup).unwrap();
     let start = momentum(&simulation);
     let mut touched = 0;
     for _ in 0..250 {
@@ -92,7 +92,7 @@ fn particles_in_a_body_come_back_calmly() {
     for depth in [0.01, 0.05, 0.15, 0.35, 0.8, 1.4] {
         let mut setup = setup(&scene(vec![solid(1.0, [0.0; 3], Motion::Static)]));
         setup.particles = fluid(&[DVec3::new(0.1, 3.1 - depth, 0.2)], |_| [0.3, -1.0, 0.0]);
-        let mut simulation = Simulation::new(setup);
+        let mut simulation = Simulation::new(setup).unwrap();
         let (mut last, mut steps) = (energy(&simulation), 0);
         loop {
             let report = simulation.step().unwrap();
@@ -135,7 +135,7 @@ fn viscosity_calms_even_where_it_bounds_the_step() {
     setup.fluid.viscosity = 1.0;
     setup.solver.density.enabled = false;
     setup.solver.divergence.enabled = false;
-    let mut simulation = Simulation::new(setup);
+    let mut simulation = Simulation::new(setup).unwrap();
     let mut last = energy(&simulation);
     let first = last;
     for _ in 0..40 {
@@ -155,7 +155,7 @@ fn what_is_no_number_is_an_error() {
         let mut setup = setup(&scene(vec![]));
         setup.particles =
             fluid(&block(DVec3::ZERO, [8, 8, 8]), |i| [0.0, if i == 300 { bad } else { 0.0 }, 0.0]);
-        let error = Simulation::new(setup).step().unwrap_err();
+        let error = Simulation::new(setup).unwrap().step().unwrap_err();
         assert!(matches!(&error, Error::Simulation { step: 0, .. }), "{error}");
         assert!(error.to_string().contains("largest speed"), "{error}");
     }
@@ -165,14 +165,14 @@ fn what_is_no_number_is_an_error() {
 fn nothing_and_one_particle_are_a_fluid_too() {
     let mut empty = setup(&scene(vec![]));
     empty.particles = Particles::default();
-    let mut simulation = Simulation::new(empty);
+    let mut simulation = Simulation::new(empty).unwrap();
     for _ in 0..3 {
         assert_eq!(simulation.step().unwrap().removed, 0);
     }
     assert!(simulation.time() > 0.0 && simulation.densities().is_empty());
     let mut one = setup(&Scene { gravity: [0.0, -10.0, 0.0], ..scene(vec![]) });
     one.particles = fluid(&[DVec3::ZERO], |_| [0.5, 0.0, 0.0]);
-    let mut simulation = Simulation::new(one);
+    let mut simulation = Simulation::new(one).unwrap();
     while simulation.time() < 0.5 {
         simulation.step().unwrap();
     }

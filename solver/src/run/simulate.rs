@@ -32,6 +32,10 @@ pub fn run_simulate(arguments: &RunArguments) -> Result<()> {
     for note in session.notes.iter().filter(|_| !arguments.quiet) {
         eprintln!("note       {note}");
     }
+    let boundary_particles = session.simulation().boundary_particles();
+    if boundary_particles > 0 && !arguments.quiet {
+        eprintln!("boundary   {} particles", thousands(boundary_particles as u64));
+    }
     let stop = stop_on_signal()?;
     let mut line = Line::new(arguments.quiet);
     let summary = session.run(&mut |progress| {

@@ -1,6 +1,8 @@
 //! Checks of a scene's values; a problem knows the way to its key.
 
-use crate::settings::{FluidSettings, SolveSettings, SolverSettings, World};
+use super::Scene;
+use crate::boundary::density_map;
+use crate::settings::{BoundaryMethod, FluidSettings, SolveSettings, SolverSettings, World};
 use crate::time_step::viscous_limit;
 
 /// One step from a table to a value.
@@ -107,6 +109,33 @@ impl At {
     pub fn require(&self, name: &'static str, holds: bool, reason: impl FnOnce() -> String) -> Checked {
         if holds { Ok(()) } else { Err(self.problem(name, reason())) }
     }
+}
+
+/// Whether the boundary's method goes with the other settings, and has what it needs.
+pub(super) fn boundary(at: &At, scene: &Scene) -> Checked {
+    let method = scene.boundary;
+    at.require("closure", method == BoundaryMethod::VolumeMap || scene.closure.is_none(), || {
+        "belongs to volume maps; leave it out, or take boundary = \"volume_map\"".into()
+    })?;
+    let is_baked = density_map::smoothing(scene.world().kernel).is_some();
+    at.require("kernel", method != BoundaryMethod::DensityMap || is_baked, || {
+        "density maps are baked for cubic-spline and wendland-c2 only; take one of them, or another boundary"
+            .into()
+    })?;
+    if method == BoundaryMethod::Particles {
+        for (i, body) in scene.bodies.iter().enumerate() {
+            let at = at.key("bodies").item(i);
+            at.require("map", body.map.is_none(), || {
+                "boundary = \"particles\" samples the body's mesh, which a map hasn't; give `mesh` instead"
+                    .into()
+            })?;
+            let at = at.key("bake");
+            at.require("thickness", body.bake.thickness == 0.0, || {
+                "moves a map's surface, but boundary = \"particles\" samples the mesh; take 0".into()
+            })?;
+        }
+    }
+    Ok(())
 }
 
 pub(super) fn fluid(at: &At, fluid: &FluidSettings) -> Checked {

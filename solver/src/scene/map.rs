@@ -1,16 +1,19 @@
 //! From a body's file to its volume map: opened, or baked on first use and kept in a cache.
 
 use super::body::{Bake, Source, Up};
+use crate::boundary::density_map;
 use crate::error::Error;
 use crate::output::io_error;
+use crate::settings::{BoundaryMethod, World};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use volmap_baker::bake::{BakeSettings, bake};
+use volmap_baker::density_map::DensitySettings;
 use volmap_baker::input::{self, Input, InputSettings};
 use volmap_baker::plan::{GridChoice, Settings};
 use volmap_formats::asset::{self, Compression, Exterior, FORMAT_VERSION};
 use volmap_formats::mesh::{Placement, TriangleMesh, UpAxis};
-use volmap_runtime::{ClosureKind, VolumeMap};
+use volmap_runtime::{ClosureKind, KernelKind, VolumeMap};
 
 /// Part by which a map's support radius may differ from the scene's: other programs store it in single
 /// precision.
@@ -47,6 +50,8 @@ pub struct Library<'a> {
     support_radius: f64,
     /// Edge of their cells by default, metres.
     cell_size: f64,
+    /// The kernel whose density bodies need in their maps, if they need one.
+    density: Option<KernelKind>,
     cache: PathBuf,
     shapes: Vec<(String, Shape)>,
     /// What went wrong without harm.
@@ -64,18 +69,16 @@ pub fn default_cache() -> PathBuf {
 }
 
 impl<'a> Library<'a> {
-    /// Nothing opened yet. The maps are those that a closure takes for a kernel's support radius (metres). `on_bake` is
-    /// called with the mesh before each bake, which may take seconds.
-    pub fn new(
-        closure: ClosureKind,
-        support_radius: f64,
-        cache: PathBuf,
-        on_bake: &'a mut dyn FnMut(&Path),
-    ) -> Library<'a> {
+    /// Nothing opened yet; maps are those that the world's boundary method takes, and kept in `cache`. `on_bake` is called
+    /// with the mesh before each bake, which may take seconds.
+    pub fn new(world: &World, cache: PathBuf, on_bake: &'a mut dyn FnMut(&Path)) -> Library<'a> {
+        let density = (world.boundary == BoundaryMethod::DensityMap).then_some(world.kernel);
+        let closure = world.map_closure();
         Library {
             closure,
-            support_radius: closure.map_radius(support_radius),
-            cell_size: cell_size(closure, support_radius),
+            support_radius: closure.map_radius(world.support_radius),
+            cell_size: cell_size(closure, world.support_radius),
+            density,
             cache,
             shapes: Vec::new(),
             notes: Vec::new(),
@@ -89,19 +92,28 @@ impl<'a> Library<'a> {
     /// # Errors
     /// A file that is missing or can't be used; a mesh that can't be baked.
     pub fn obtain(&mut self, source: Source, key: &str) -> Result<Shape, Error> {
+        self.obtain_with(source, key, None)
+    }
+
+    fn obtain_with(
+        &mut self,
+        source: Source,
+        key: &str,
+        density: Option<KernelKind>,
+    ) -> Result<Shape, Error> {
         let path = source.path();
         if !path.is_file() {
             let what = if matches!(source, Source::Map(_)) { "map" } else { "mesh" };
             let reason = format!("there is no file {}; paths are relative to the scene file", path.display());
             return Err(Error::Scene { place: format!("{key}.{what}"), reason });
         }
-        let identity = format!("{source:?}");
+        let identity = format!("{source:?} {density:?}");
         if let Some((_, shape)) = self.shapes.iter().find(|(name, _)| *name == identity) {
             return Ok(shape.clone());
         }
         let shape = match source {
             Source::Map(path) => open_asset(path)?,
-            Source::Mesh(path, settings) => self.bake_or_open(path, settings)?,
+            Source::Mesh(path, settings) => self.bake_or_open(path, settings, density)?,
         };
         self.shapes.push((identity, shape.clone()));
         Ok(shape)
@@ -110,13 +122,13 @@ impl<'a> Library<'a> {
     /// The same for a body: its map must have the support radius that the closure takes.
     ///
     /// # Errors
-    /// As [`Library::obtain`], and a map of another radius.
+    /// As [`Library::obtain`], and a map of another radius, or without the density that is needed.
     pub fn obtain_for_body(&mut self, source: Source, key: &str) -> Result<Shape, Error> {
-        let shape = self.obtain(source, key)?;
+        let shape = self.obtain_with(source, key, self.density)?;
         let (has, needs) = (shape.map.support_radius(), self.support_radius);
         if (has - needs).abs() <= SAME_RADIUS * needs {
             self.note_coarse_cells(source.path(), &shape.map);
-            return Ok(shape);
+            return self.with_density(shape, source, key);
         }
         let file = source.path().display();
         let invert = if shape.map.exterior() == Exterior::Solid { " --invert" } else { "" };
@@ -124,6 +136,22 @@ impl<'a> Library<'a> {
             "{file} was baked for a support radius of {has} m, but closure `{}` takes one of {needs} m here; bake its mesh \
              again: volmap bake MESH -o {file} --support-radius {needs}{invert}, or name the mesh in the scene instead",
             self.closure
+        );
+        Err(Error::Scene { place: format!("{key}.map"), reason })
+    }
+
+    /// The shape, if its map has the density that bodies need.
+    fn with_density(&self, shape: Shape, source: Source, key: &str) -> Result<Shape, Error> {
+        let Some(kernel) = self.density else { return Ok(shape) };
+        let Some(defect) = density_map::defect(shape.map.density_kernel(), kernel) else { return Ok(shape) };
+        let file = source.path().display();
+        let invert = if shape.map.exterior() == Exterior::Solid { " --invert" } else { "" };
+        let name = density_map::smoothing(kernel).unwrap_or_default();
+        let reason = format!(
+            "{file} can't be used with boundary = \"density_map\": {defect}; name the mesh in the scene instead, or bake it \
+             again: volmap bake MESH -o {file} --support-radius {}{invert} --density --kernel {name} (its gamma ends at r, \
+             as in the paper, and the fluid keeps farther from walls)",
+            self.support_radius
         );
         Err(Error::Scene { place: format!("{key}.map"), reason })
     }
@@ -140,8 +168,13 @@ impl<'a> Library<'a> {
         }
     }
 
-    fn bake_or_open(&mut self, path: &Path, settings: &Bake) -> Result<Shape, Error> {
-        let (placing, baking) = (input_settings(settings), self.bake_settings(settings));
+    fn bake_or_open(
+        &mut self,
+        path: &Path,
+        settings: &Bake,
+        density: Option<KernelKind>,
+    ) -> Result<Shape, Error> {
+        let (placing, baking) = (input_settings(settings), self.bake_settings(settings, density));
         let mut input = input::load(path, &placing)?;
         let content = mesh_content(&input);
         let cached = self.cache.join(cached_name(path, &content, &format!("{placing:?} {baking:?}")));
@@ -177,7 +210,7 @@ impl<'a> Library<'a> {
         Ok(VolumeMap::from_asset(&baked.asset)?)
     }
 
-    fn bake_settings(&self, settings: &Bake) -> BakeSettings {
+    fn bake_settings(&self, settings: &Bake, density: Option<KernelKind>) -> BakeSettings {
         let grid = match (settings.resolution, settings.cell_size) {
             (Some(cells), _) => GridChoice::Resolution(cells.0),
             (None, Some(edge)) => GridChoice::CellSize(edge),
@@ -188,6 +221,11 @@ impl<'a> Library<'a> {
             grid,
             invert: settings.invert,
             thickness: settings.thickness,
+            density: density.and_then(density_map::smoothing).map(|kernel| DensitySettings {
+                kernel,
+                extension: density_map::EXTENSION,
+                ..DensitySettings::default()
+            }),
             ..Settings::default()
         };
         BakeSettings { map, ..BakeSettings::default() }
@@ -198,7 +236,7 @@ impl<'a> Library<'a> {
 /// map's distance is too small by up to a quarter of a cell, and closures that go by it need cells half as large as the
 /// baker's; `mirror` goes by the volume.
 pub fn cell_size(closure: ClosureKind, support_radius: f64) -> f64 {
-    let cells_per_radius = if closure == ClosureKind::Mirror { 1.5 } else { 4.0 };
+    let cells_per_radius = if closure == ClosureKind::Mirror { 2.0 } else { 4.0 };
     closure.map_radius(support_radius) / cells_per_radius
 }
 

@@ -6,7 +6,9 @@ use super::emitter::Emitter;
 use super::map::{Library, Origin, Shape, default_cache};
 use super::overlap::{BODY_MARGIN, drop_in_bodies};
 use super::sources::{self, Particles, Solid, SourceCount};
+use crate::boundary::particles;
 use crate::error::Error;
+use crate::settings::BoundaryMethod;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use volmap_baker::mesh::diagnose;
@@ -47,6 +49,8 @@ pub struct PreparedBody {
     pub map: Arc<VolumeMap>,
     /// Its mesh in the map's frame, if it was baked from one.
     pub mesh: Option<Arc<TriangleMesh>>,
+    /// Particles on its surface, with particle boundaries.
+    pub boundary_particles: Option<u64>,
     /// Where the map comes from.
     pub origin: Origin,
     /// Where it is at the start.
@@ -70,14 +74,16 @@ impl PreparedBody {
 pub fn prepare(scene: &Scene, on_bake: &mut dyn FnMut(&Path)) -> Result<Prepared, Error> {
     scene.validate()?;
     let cache = scene.cache.clone().unwrap_or_else(default_cache);
-    let mut library = Library::new(scene.closure, scene.support_radius(), cache, on_bake);
+    let mut library = Library::new(&scene.world(), cache, on_bake);
     let (mut bodies, mut files) = (Vec::new(), Vec::new());
     for (i, (settings, name)) in scene.bodies.iter().zip(body::names(&scene.bodies)).enumerate() {
         let key = format!("bodies[{i}]");
         let source = given(settings.source(), &key)?;
         let Shape { map, mesh, origin, content } = library.obtain_for_body(source, &key)?;
         files.push(SourceFile { path: source.path().to_owned(), content });
+        let boundary_particles = count_particles(scene, mesh.as_deref(), &key)?;
         bodies.push(PreparedBody {
+            boundary_particles,
             name,
             map,
             mesh,
@@ -105,6 +111,15 @@ pub fn prepare(scene: &Scene, on_bake: &mut dyn FnMut(&Path)) -> Result<Prepared
     notes.extend(particles.counts.iter().filter_map(left_out));
     notes.extend(emitters.iter().enumerate().filter_map(|(i, emitter)| blocked(i, emitter, &posed, scene)));
     Ok(Prepared { bodies, particles, emitters, files, notes })
+}
+
+/// How many boundary particles a body gets; none with maps.
+fn count_particles(scene: &Scene, mesh: Option<&TriangleMesh>, key: &str) -> Result<Option<u64>, Error> {
+    let (BoundaryMethod::Particles, Some(mesh)) = (scene.boundary, mesh) else { return Ok(None) };
+    match particles::defect(mesh, scene.particle_radius) {
+        Some(reason) => Err(Error::Scene { place: format!("{key}.mesh"), reason }),
+        None => Ok(Some(particles::count(mesh, scene.particle_radius))),
+    }
 }
 
 fn given<'a>(source: Option<Source<'a>>, key: &str) -> Result<Source<'a>, Error> {

@@ -8,6 +8,7 @@ use super::prepare::{Prepared, prepare};
 use super::sources::SourceCount;
 use super::{Scene, load};
 use crate::error::Error;
+use crate::settings::BoundaryMethod;
 use serde::Serialize;
 use std::fmt::{self, Display, Formatter};
 use std::path::Path;
@@ -31,8 +32,8 @@ pub struct Summary {
     pub particle_radius: f64,
     /// Support radius, metres.
     pub support_radius: f64,
-    /// Kernel and closure.
-    pub methods: [String; 2],
+    /// Kernel and boundary; of volume maps the closure, too.
+    pub methods: Vec<String>,
     /// Particles at the start, if they are known without any map.
     pub particles: Option<u64>,
     /// Particles by source.
@@ -68,6 +69,8 @@ pub struct BodyFacts {
     pub file: String,
     /// How it moves.
     pub motion: &'static str,
+    /// Particles on its surface, with particle boundaries, once its mesh is read.
+    pub boundary_particles: Option<u64>,
     /// Its map, once it is opened.
     pub map: Option<MapFacts>,
 }
@@ -124,6 +127,7 @@ pub fn summarize(scene: &Scene, prepared: &Prepared, path: &Path) -> Summary {
     let total = prepared.particles.positions.len() as u64;
     out.particles = Some(total);
     for (facts, body) in out.bodies.iter_mut().zip(&prepared.bodies) {
+        facts.boundary_particles = body.boundary_particles;
         facts.map = Some(MapFacts {
             origin: match body.origin {
                 Origin::Asset => "asset",
@@ -154,13 +158,14 @@ fn outline(scene: &Scene, path: &Path) -> Summary {
             Motion::Spin(_) => "spin",
             Motion::Free(_) => "free",
         },
+        boundary_particles: None,
         map: None,
     };
     Summary {
         scene: path.display().to_string(),
         particle_radius: scene.particle_radius,
         support_radius: scene.support_radius(),
-        methods: [scene.kernel.to_string(), scene.closure.to_string()],
+        methods: methods(scene),
         particles: None,
         sources: Vec::new(),
         bodies: scene.bodies.iter().zip(body::names(&scene.bodies)).map(body).collect(),
@@ -169,6 +174,18 @@ fn outline(scene: &Scene, path: &Path) -> Summary {
         end: scene.stop.time,
         notes: Vec::new(),
     }
+}
+
+fn methods(scene: &Scene) -> Vec<String> {
+    let word = |value: serde_json::Result<serde_json::Value>| {
+        value.ok().and_then(|value| Some(value.as_str()?.to_owned())).unwrap_or_default()
+    };
+    let mut methods =
+        vec![word(serde_json::to_value(scene.kernel)), word(serde_json::to_value(scene.boundary))];
+    if scene.boundary == BoundaryMethod::VolumeMap {
+        methods.push(scene.world().closure.to_string());
+    }
+    methods
 }
 
 impl Summary {
@@ -190,13 +207,14 @@ impl Summary {
 impl Display for Summary {
     fn fmt(&self, f: &mut Formatter) -> fmt::Result {
         writeln!(f, "scene      {}", self.scene)?;
-        let [kernel, closure] = &self.methods;
+        let words = ["kernel", "boundary", "closure"].iter().zip(&self.methods);
         writeln!(
             f,
-            "particles  {} of radius {} m, support radius {} m, kernel {kernel}, closure {closure}",
+            "particles  {} of radius {} m, support radius {} m, {}",
             self.particles.map_or("some".into(), thousands),
             self.particle_radius,
-            self.support_radius
+            self.support_radius,
+            words.map(|(word, method)| format!("{word} {method}")).collect::<Vec<_>>().join(", ")
         )?;
         for source in &self.sources {
             match source.particles {
@@ -208,6 +226,9 @@ impl Display for Summary {
         for (i, body) in self.bodies.iter().enumerate() {
             let label = if i == 0 { "bodies" } else { "" };
             write!(f, "{label:10} {}: {}, {}", body.name, body.motion, body.file)?;
+            if let Some(count) = body.boundary_particles {
+                write!(f, "; {} boundary particles", thousands(count))?;
+            }
             match &body.map {
                 Some(MapFacts { origin, resolution: [x, y, z], memory }) => {
                     writeln!(f, "; {origin}, {x} x {y} x {z} cells, {}", bytes(*memory))?;

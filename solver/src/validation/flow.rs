@@ -38,7 +38,7 @@ pub fn water(
     time_step.min = 1e-6;
     let mut particles = Particles::default();
     particles.add(places, &vec![[0.0; 3]; places.len()]);
-    Ok(Simulation::new(Setup {
+    Simulation::new(Setup {
         world: World { particle_radius, support_radius: 4.0 * particle_radius, gravity, ..World::default() },
         fluid: FluidSettings { viscosity, ..FluidSettings::default() },
         solver,
@@ -46,7 +46,7 @@ pub fn water(
         emitters: Vec::new(),
         bodies: Bodies::new(bodies, gravity)?,
         domain: None,
-    }))
+    })
 }
 
 /// Volume of the part of a closed mesh that lies below a level, m^3: the flux of (0, y - level, 0) through its surface

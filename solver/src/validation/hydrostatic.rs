@@ -10,6 +10,7 @@ use super::shapes::{Shape, baked_for, cuboid};
 use super::{Experiment, Outcome, Row, Run, chart, curve};
 use crate::error::Error;
 use crate::scene::Region;
+use crate::settings::{BoundaryMethod, BoundaryPressure};
 use column::{Column, HALF_WIDTH, Rest};
 use volmap_baker::picture::colours::{DISTINCT, INK};
 use volmap_baker::picture::{Data, Series};
@@ -73,7 +74,8 @@ fn cases(run: &Run) -> Vec<Case> {
         radius: RADIUS,
         closure,
         volume_factor: 1.0,
-        mirrored: false,
+        boundary: BoundaryMethod::VolumeMap,
+        pressure: BoundaryPressure::Own,
         largest_step: 0.005,
         block: full,
         end,
@@ -94,7 +96,11 @@ fn cases(run: &Run) -> Vec<Case> {
     add("mirror, 0.8, 2 ms".into(), Column { largest_step: 0.002, ..spread(mirror, 8.0) }, true);
     add("mirror, rp / 2".into(), Column { radius: 0.5 * RADIUS, ..filled(mirror, 4.0) }, true);
     for closure in [mirror, ClosureKind::Calibrated] {
-        add(format!("{closure}, Eq. 15"), Column { mirrored: true, ..filled(closure, 4.0) }, false);
+        add(
+            format!("{closure}, Eq. 15"),
+            Column { pressure: BoundaryPressure::Mirror, ..filled(closure, 4.0) },
+            false,
+        );
     }
     all
 }
@@ -153,7 +159,7 @@ fn energies(done: &[(Case, Rest)]) -> volmap_baker::picture::Chart {
             let energy = points.iter().map(|point| point[1]).sum::<f64>() / points.len() as f64;
             [points[points.len() - 1][0], energy]
         };
-        let dashed = case.column.mirrored;
+        let dashed = case.column.pressure == BoundaryPressure::Mirror;
         let points: Vec<[f64; 2]> = rest.energies.chunks(every).map(mean).collect();
         let data = if dashed { Data::Dashes(points) } else { Data::Curve(points) };
         Series { name: case.name.clone(), colour, data }

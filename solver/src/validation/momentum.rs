@@ -89,7 +89,7 @@ fn simulation(shape: &Shape, viscosity: f64) -> Result<Simulation, Error> {
     }
     let free = FreeBody { weight: Weight::Density(500.0), ..FreeBody::default() };
     let bodies = Bodies::new(vec![shape.body("ball", DVec3::ZERO, Motion::Free(free))], world.gravity)?;
-    Ok(Simulation::new(Setup {
+    Simulation::new(Setup {
         world,
         fluid: FluidSettings { viscosity, ..FluidSettings::default() },
         solver: SolverSettings::default(),
@@ -97,7 +97,7 @@ fn simulation(shape: &Shape, viscosity: f64) -> Result<Simulation, Error> {
         emitters: Vec::new(),
         bodies,
         domain: Some([DVec3::splat(-20.0), DVec3::splat(20.0)]),
-    }))
+    })
 }
 
 fn state(simulation: &Simulation) -> State {

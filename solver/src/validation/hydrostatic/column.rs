@@ -5,7 +5,7 @@ use crate::error::Error;
 use crate::particles::Particles;
 use crate::scene::Region;
 use crate::scene::lattice::fill_box;
-use crate::settings::{FluidSettings, SolverSettings, World};
+use crate::settings::{BoundaryMethod, BoundaryPressure, FluidSettings, SolverSettings, World};
 use crate::simulation::{Setup, Simulation};
 use crate::validation::observe::{centre, kinetic_energy, line, percentile, until, velocities};
 use crate::validation::shapes::Shape;
@@ -25,8 +25,10 @@ pub struct Column {
     pub closure: ClosureKind,
     /// Volume of a particle in parts of (2 rp)^3.
     pub volume_factor: f64,
-    /// Whether the boundary's mirrored pressure is added.
-    pub mirrored: bool,
+    /// How the fluid sees the tank.
+    pub boundary: BoundaryMethod,
+    /// The boundary's pressure.
+    pub pressure: BoundaryPressure,
     /// Largest time step, seconds.
     pub largest_step: f64,
     /// Where the particles begin.
@@ -103,17 +105,18 @@ impl Column {
         let world = World {
             particle_radius: self.radius,
             support_radius: 4.0 * self.radius,
+            boundary: self.boundary,
             closure: self.closure,
             ..World::default()
         };
-        let mut solver = SolverSettings { mirrored_pressure: self.mirrored, ..SolverSettings::default() };
+        let mut solver = SolverSettings { boundary_pressure: self.pressure, ..SolverSettings::default() };
         solver.time_step.max = self.largest_step;
         let positions: Vec<DVec3> = fill_box(&self.block, 2.0 * self.radius).collect();
         let mut particles = Particles::default();
         particles.add(&positions, &vec![[0.0; 3]; positions.len()]);
         let bodies = vec![tank.body("tank", DVec3::ZERO, Motion::Static)];
         let bodies = Bodies::new(bodies, world.gravity)?;
-        Ok(Simulation::new(Setup {
+        Simulation::new(Setup {
             fluid: FluidSettings { volume_factor: self.volume_factor, ..FluidSettings::default() },
             world,
             solver,
@@ -121,7 +124,7 @@ impl Column {
             emitters: Vec::new(),
             bodies,
             domain: None,
-        }))
+        })
     }
 }
 
