@@ -8,7 +8,6 @@ mod checksums;
 mod mutate;
 
 use checksums::{Checksums, signatures};
-use glam::DVec2;
 use mutate::{NAMES, Target};
 use peak_alloc::PeakAlloc;
 use std::collections::BTreeMap;
@@ -21,7 +20,7 @@ use volmap_baker::density_map::DensitySettings;
 use volmap_baker::plan::{GridChoice, Precision, Settings};
 use volmap_baker::volume_map::quadrature::Rule;
 use volmap_formats::asset::{self, Array, Asset, AssetError, CellRun, Compression, DensityField, Rounded};
-use volmap_runtime::{DVec3, Density, Error, Sample, VolumeMap};
+use volmap_runtime::{DVec2, DVec3, Density, Error, Sample, VolumeMap};
 use volmap_tests::{Random, SPHERE, asset_of, compute};
 
 #[global_allocator]

@@ -7,6 +7,7 @@
 use std::f64::consts::PI;
 use std::fmt;
 use std::str::FromStr;
+use volmap_formats::asset::Dimension;
 
 /// SPH kernels, all scaled to the support radius.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -93,6 +94,7 @@ impl FromStr for KernelKind {
 /// A kernel of a given size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Kernel {
+    dimension: Dimension,
     kind: KernelKind,
     support_radius: f64,
     per_radius: f64,
@@ -103,17 +105,24 @@ pub struct Kernel {
 impl Kernel {
     /// A kernel that is 0 from `support_radius` on (metres, positive and finite).
     pub fn new(kind: KernelKind, support_radius: f64) -> Kernel {
-        Kernel::scaled(kind, support_radius, (1.0 / support_radius).powi(3))
+        Kernel::scaled(Dimension::Three, kind, support_radius, (1.0 / support_radius).powi(3))
     }
 
     /// The same in two dimensions: integral 1 in the plane, values in 1/m^2 and derivatives in 1/m^3.
     pub fn in_plane(kind: KernelKind, support_radius: f64) -> Kernel {
-        Kernel::scaled(kind, support_radius, kind.plane_thickness() * support_radius.powi(-2))
+        let scale = kind.plane_thickness() * support_radius.powi(-2);
+        Kernel::scaled(Dimension::Two, kind, support_radius, scale)
     }
 
-    fn scaled(kind: KernelKind, support_radius: f64, value_scale: f64) -> Kernel {
+    fn scaled(dimension: Dimension, kind: KernelKind, support_radius: f64, value_scale: f64) -> Kernel {
         let per_radius = 1.0 / support_radius;
-        Kernel { kind, support_radius, per_radius, value_scale, derivative_scale: value_scale * per_radius }
+        let derivative_scale = value_scale * per_radius;
+        Kernel { dimension, kind, support_radius, per_radius, value_scale, derivative_scale }
+    }
+
+    /// In how many dimensions its integral is 1.
+    pub fn dimension(&self) -> Dimension {
+        self.dimension
     }
 
     /// Its shape.

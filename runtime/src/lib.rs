@@ -48,7 +48,7 @@ pub use cells::{Cell, CellIndex, NodeNumbers};
 pub use closure::{BoundaryDensity, Closure, ClosureKind};
 pub use density::Density;
 pub use error::Error;
-pub use glam::{DQuat, DVec3};
+pub use glam::{DQuat, DVec2, DVec3};
 pub use grid::{Grid, Location};
 pub use kernel::{Kernel, KernelKind};
 pub use nodes::{Family, NodeInterval, Nodes};
