@@ -126,7 +126,8 @@ fn run(run: &Run) -> Result<Outcome, Error> {
 /// When the front is half across the tank, seconds.
 const PICTURE: f64 = 0.25;
 
-const NOTE: &str = "Scaled: a tank of 1 m, 500 particles of rp = 1 cm; the paper names no sizes. The column begins 2.5 rp from the walls. The wall's push at 2 rp from the \
+const NOTE: &str = "Scaled: a tank of 1 m, 500 particles of rp = 1 cm; the paper names no sizes. The column begins 2.5 rp from the \
+                    walls. The wall's push at 2 rp from the \
                     floor is taken from the maps alone, without fluid; the layer's figures are of all steps and of the particles \
                     within 3.6 rp of the floor and 0.1 m or more from the side walls. Boundaries have the mirrored pressure of Eq. 15, \
                     as in the paper; gamma of the density maps ends at r / 5, as in the authors' program, or at r, as in Eq. 11. \
