@@ -50,6 +50,29 @@ fn reader_written_from_the_specification_agrees() {
     }
 }
 
+/// An L with a hole, in two dimensions.
+const OUTLINE: &str = "v 0 0 0\nv 1 0 0\nv 1 0.4 0\nv 0.4 0.4 0\nv 0.4 1 0\nv 0 1 0\nv 0.1 0.1 0\nv 0.2 0.1 0\nv 0.2 0.2 0\n\
+                       l 1 2 3 4 5 6 1\nl 7 8 9 7\n";
+
+#[test]
+fn reader_written_from_the_specification_agrees_in_two_dimensions() {
+    let folder = tempfile::tempdir().unwrap();
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("interop/compare_reader.py");
+    let outline = folder.path().join("outline.obj");
+    std::fs::write(&outline, OUTLINE).unwrap();
+    for (name, options) in [
+        ("plain", "--cell-size 0.05 --support-radius 0.1 --precision f64"),
+        ("density", "--resolution 30,20 --support-radius 0.1 --invert --density --compression gzip"),
+        ("rounded", "--support-radius 0.05 --max-rounding 0.02% --density"),
+    ] {
+        let asset = folder.path().join(name).with_extension("h5");
+        let mut bake = Command::new(volmap());
+        bake.arg("bake-outline").arg(&outline).arg("-o").arg(&asset).arg("-q");
+        run(bake.args(options.split_whitespace()));
+        print!("{}", run(Command::new(python()).arg(&script).arg(&asset).arg("--against").arg(volmap())));
+    }
+}
+
 #[test]
 fn rounded_fields_keep_the_bound_as_python_reads_it() {
     let folder = tempfile::tempdir().unwrap();

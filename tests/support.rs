@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use volmap_baker::density_map::compute_density;
 use volmap_baker::maps::{Maps, compute_maps};
 use volmap_baker::plan::{Extent, GridChoice, Plan, Settings, plan};
-use volmap_formats::asset::{Array, Asset, Attributes, QuadratureSpec};
+use volmap_formats::asset::{Array, Asset, Attributes, Dimension, QuadratureSpec};
 use volmap_runtime::{DVec3, VolumeMap};
 
 /// A small generator of reproducible numbers (xorshift64*).
@@ -73,6 +73,7 @@ pub fn compute(solid: &Solid, resolution: u32, settings: &Settings) -> (Plan, Ma
 /// An asset with fields of double precision.
 pub fn asset_of(plan: &Plan, settings: &Settings, maps: Maps) -> Asset {
     Asset {
+        dimension: Dimension::Three,
         grid: plan.grid.into(),
         support_radius: plan.support_radius,
         exterior: plan.exterior,

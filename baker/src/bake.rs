@@ -14,7 +14,7 @@ use crate::sdf::{MeshDistance, SignComparison, SignMethod, compare_signs};
 use crate::tolerance::{Found, Problem, search};
 use glam::DVec3;
 use std::time::Instant;
-use volmap_formats::asset::{Array, Asset, QuadratureSpec, Rounded};
+use volmap_formats::asset::{Array, Asset, Dimension, QuadratureSpec, Rounded};
 use volmap_formats::mesh::{CleanReport, Placement};
 
 /// What a bake depends on beside the mesh.
@@ -246,6 +246,7 @@ fn asset(maps: Maps, input: &Input, mut summary: Summary, settings: &BakeSetting
         summary.rounding = Some(Rounding { allowed, distance, volume, density });
     }
     let asset = Asset {
+        dimension: Dimension::Three,
         grid: summary.plan.grid.into(),
         support_radius: r,
         exterior: summary.plan.exterior,
@@ -263,7 +264,7 @@ fn asset(maps: Maps, input: &Input, mut summary: Summary, settings: &BakeSetting
 }
 
 /// A field as it is stored, and, where it is rounded to parts of `unit`, the largest change in that unit.
-fn stored(values: Vec<f64>, unit: f64, precision: Precision) -> Result<(Array, f64), Error> {
+pub(crate) fn stored(values: Vec<f64>, unit: f64, precision: Precision) -> Result<(Array, f64), Error> {
     match precision {
         Precision::F32 => Ok((Array::F32(values.into_iter().map(|x| x as f32).collect()), 0.0)),
         Precision::F64 => Ok((Array::F64(values), 0.0)),

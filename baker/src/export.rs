@@ -15,6 +15,7 @@ pub mod lattice;
 pub mod surface;
 mod tetrahedra;
 
+use crate::area_map::require_space;
 use crate::error::Error;
 use crate::summary::thousands;
 use lattice::LatticeChoice;
@@ -50,6 +51,7 @@ pub struct ExportSettings {
 pub fn export(asset: &Asset, path: &Path, settings: &ExportSettings) -> Result<String, Error> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     check_settings(&extension, settings)?;
+    require_space(asset, "volmap export")?;
     match extension.as_str() {
         "vtkhdf" => {
             let cells = hexahedra::hexahedra(asset)?;

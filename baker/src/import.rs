@@ -11,8 +11,8 @@ use removed::fill_removed;
 use std::f64::consts::PI;
 use std::path::Path;
 use volmap_formats::asset::{
-    Array, Asset, Attributes, CellRun, Exterior, GridSpec, MAX_CELLS_PER_AXIS, MAX_ROWS, QuadratureSpec,
-    Value,
+    Array, Asset, Attributes, CellRun, Dimension, Exterior, GridSpec, MAX_CELLS_PER_AXIS, MAX_ROWS,
+    QuadratureSpec, Value,
 };
 use volmap_formats::export::cdm::{self, DiscreteGrid, NODES, REMOVED, UNSAMPLED, local_node};
 use volmap_runtime::{Cell, CellIndex, Nodes, VolumeMap};
@@ -92,6 +92,7 @@ pub fn from_grid(grid: &DiscreteGrid, settings: &ImportSettings) -> Result<Impor
     let exterior = exterior(grid, &kinds, settings)?;
     let (ball_volume, warnings) = ball_volume(&signed_distance, &volumes, settings.support_radius);
     let asset = Asset {
+        dimension: Dimension::Three,
         grid: GridSpec { origin: grid.min, cell_size: grid.cell_size, resolution: grid.resolution },
         support_radius: settings.support_radius,
         exterior,

@@ -10,6 +10,7 @@ pub fn to_json(asset: &Asset, file_bytes: u64) -> Json {
         "format": "volmap",
         "format_version": asset.format_version(),
         "file_bytes": file_bytes,
+        "dimension": asset.dimension.count(),
         "support_radius": asset.support_radius,
         "exterior": exterior(asset),
         "grid": {
@@ -30,7 +31,7 @@ pub fn to_json(asset: &Asset, file_bytes: u64) -> Json {
         },
         "fields": {
             "signed_distance": field(&asset.signed_distance, "m"),
-            "volume": field(&asset.volume, "m^3"),
+            "volume": field(&asset.volume, asset.dimension.volume_unit()),
         },
         "bake": object(&asset.bake),
         "source": object(&asset.source),

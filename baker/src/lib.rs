@@ -3,8 +3,11 @@
 //! ```text
 //! TriangleMesh -> mesh (diagnosis, orientation) -> sdf (distance, sign, band, field) -> volume_map -> Asset
 //! ```
+//! In two dimensions: Outline -> [`area_map`] -> Asset.
+//!
 //! [`bake::bake`] is the whole way; [`maps::compute_maps`] the part that any signed distance can take.
 
+pub mod area_map;
 pub mod bake;
 pub mod density_map;
 pub mod describe;

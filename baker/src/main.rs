@@ -7,7 +7,7 @@ mod run;
 use anyhow::Result;
 use args::{Arguments, Command};
 use clap::Parser;
-use run::{bake, exchange, query, report, reproduce, slice};
+use run::{bake, exchange, outline, query, report, reproduce, slice};
 use std::io;
 use std::path::Path;
 use std::process::ExitCode;
@@ -27,6 +27,7 @@ fn main() -> ExitCode {
 fn run(command: Command) -> Result<ExitCode> {
     match command {
         Command::Bake(arguments) => bake::run_bake(&arguments)?,
+        Command::BakeOutline(arguments) => outline::run_bake_outline(&arguments)?,
         Command::Info { asset, json } => query::run_info(&asset, json)?,
         Command::Query { asset, points, json } => query::run_query(&asset, &points, json)?,
         Command::Report(arguments) => return report::run_report(&arguments),

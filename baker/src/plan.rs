@@ -281,7 +281,7 @@ fn grid(low: DVec3, high: DVec3, support_radius: f64, settings: &Settings) -> Re
     Ok(Grid { origin, cell_size: DVec3::splat(edge), resolution: resolution.as_uvec3() })
 }
 
-fn check_precision(grid: &Grid) -> Result<(), Error> {
+pub(crate) fn check_precision(grid: &Grid) -> Result<(), Error> {
     let farthest = grid.origin.abs().max(grid.max_corner().abs()).max_element();
     let edge = grid.cell_size.min_element();
     if farthest <= MAX_EXTENT && edge >= MIN_CELL * farthest {

@@ -2,6 +2,7 @@
 
 pub mod bake;
 pub mod exchange;
+pub mod outline;
 pub mod query;
 pub mod report;
 pub mod reproduce;

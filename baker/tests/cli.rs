@@ -662,3 +662,41 @@ fn an_experiment_of_the_paper_is_run_by_its_name() {
     );
     assert!(names(&folder).is_empty());
 }
+
+#[test]
+fn an_outline_is_baked_and_asked_in_two_dimensions() {
+    let folder = folder();
+    let outline = folder.path().join("plate.obj");
+    fs::write(&outline, "v 0 0 0\nv 100 0 0\nv 100 50 0\nv 0 50 0\nl 1 2 3 4 1\n").unwrap();
+    let bake = |more: &[&str]| {
+        let mut command = volmap(&folder);
+        command.args(["bake-outline", "plate.obj", "--unit", "cm", "--support-radius", "0.1"]).args(more);
+        command
+    };
+    let summary = output(&mut bake(&["--density", "--translate", "1,2"]));
+    assert!(summary.contains("28 x 18 cells") && summary.contains("plate.h5"), "{summary}");
+    let json: serde_json::Value =
+        serde_json::from_str(&output(volmap(&folder).args(["info", "plate.h5", "--json"]))).unwrap();
+    assert_eq!((&json["format_version"], &json["dimension"]), (&4.into(), &2.into()));
+    assert_eq!(json["fields"]["volume"]["units"], "m^2");
+    assert_eq!(json["source"]["length"], 3.0);
+    fs::write(folder.path().join("points.csv"), "x,y,z\n1.5,1.95,0\n1.5,1.95,7\n1.5,2.25,0\n").unwrap();
+    let answers = output(volmap(&folder).args(["query", "plate.h5", "--points", "points.csv"]));
+    let rows: Vec<Vec<&str>> = answers.lines().map(|line| line.split(',').collect()).collect();
+    let distance: f64 = rows[1][3].parse().unwrap();
+    assert!((distance - 0.05).abs() < 1e-6 && rows[1][3] == rows[2][3], "{answers}");
+    assert!(rows[3].contains(&"deep_inside"), "{answers}");
+    // The same bytes on one thread, and with them again.
+    let once = fs::read(folder.path().join("plate.h5")).unwrap();
+    output(&mut bake(&["--density", "--translate", "1,2", "--threads", "1", "-q"]));
+    assert!(once == fs::read(folder.path().join("plate.h5")).unwrap());
+    for command in [
+        &["slice", "plate.h5", "-o", "a.png"][..],
+        &["report", "plate.h5"],
+        &["export", "plate.h5", "-o", "a.vti"],
+    ] {
+        assert!(error(volmap(&folder).args(command)).contains("two dimensions"), "{command:?}");
+    }
+    fs::write(&outline, "v 0 0 0\nv 1 0 0\nv 1 1 0\nl 1 2 3\n").unwrap();
+    assert!(error(&mut bake(&[])).contains("the outline is open"));
+}

@@ -39,6 +39,26 @@ pub struct GridSpec {
     pub resolution: [u32; 3],
 }
 
+/// In how many dimensions a map's solid lies.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Dimension {
+    /// In the plane: distances are those of a curve, the volume is an area (m^2), and nothing depends on z.
+    Two,
+    /// In space.
+    #[default]
+    Three,
+}
+
+impl Dimension {
+    /// 2 or 3.
+    pub fn count(self) -> u64 {
+        match self {
+            Dimension::Two => 2,
+            Dimension::Three => 3,
+        }
+    }
+}
+
 /// Consecutive cells along x: `(i .. i + len, j, k)`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CellRun {
@@ -70,13 +90,15 @@ pub struct QuadratureSpec {
     pub degree: u32,
     /// Points inside the ball.
     pub points: u64,
-    /// Volume that the rule gives the full ball, m^3 (the exact one is 4/3 pi r^3).
+    /// Volume that the rule gives the full ball, m^3 (the exact one is 4/3 pi r^3); in two dimensions the disc's area, m^2.
     pub ball_volume: f64,
 }
 
 /// A volume map with all that is known about it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Asset {
+    /// In how many dimensions. In two, the grid has one cell along z, and only nodes in the plane are stored.
+    pub dimension: Dimension,
     /// The lattice of cells.
     pub grid: GridSpec,
     /// Support radius r of the kernels that the map serves, metres.
@@ -92,7 +114,7 @@ pub struct Asset {
     /// Signed distance at the nodes, metres, negative inside the solid ([`Array::F32`], [`Array::F64`]
     /// or [`Array::Rounded`]).
     pub signed_distance: Array,
-    /// Boundary volume at the nodes, m^3, in the same precision.
+    /// Boundary volume at the nodes, m^3 (in two dimensions area, m^2), in the same precision.
     pub volume: Array,
     /// Boundary density at the nodes, if it was baked too.
     pub density: Option<DensityField>,

@@ -4,6 +4,8 @@
 //! bytes -> RawMesh (polygons as the file has them) -> clean -> TriangleMesh -> Placement
 //! ```
 //!
+//! In two dimensions the surface is an [`Outline`]: lines of an OBJ.
+//!
 //! Guarantees: what is returned as `Ok` has finite coordinates of at most [`MAX_COORDINATE`] and
 //! indices in range; bad input ends in a [`MeshError`], never in a panic, and allocates at most a
 //! fixed multiple of the file's real size (see [`budget`]).
@@ -23,6 +25,7 @@ mod gltf;
 pub mod guard;
 mod obj;
 mod off;
+mod outline;
 mod ply;
 mod raw;
 mod sniff;
@@ -37,6 +40,7 @@ mod xml;
 
 pub use clean::{CleanReport, CleanSettings, clean};
 pub use error::MeshError;
+pub use outline::{Outline, parse_outline};
 pub use raw::{Faces, MAX_COORDINATE, RawMesh, Skipped};
 pub use sniff::MeshFormat;
 pub use transform::{Affine, Placement, Rotation, UpAxis};

@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use volmap_formats::asset::{
-    self, Array, Asset, Attributes, CellRun, Compression, Exterior, GridSpec, QuadratureSpec,
+    self, Array, Asset, Attributes, CellRun, Compression, Dimension, Exterior, GridSpec, QuadratureSpec,
 };
 use volmap_runtime::{Family, Grid, Nodes, VolumeMap};
 
@@ -83,6 +83,7 @@ fn sphere(n: u32) -> Asset {
     }
     let volume = distance.iter().map(|phi: &f64| (0.2 - phi).max(0.0).powi(3) as f32).collect();
     Asset {
+        dimension: Dimension::Three,
         grid: spec,
         support_radius: 0.1,
         exterior: Exterior::Fluid,

@@ -80,6 +80,11 @@ impl ClosureKind {
         ClosureKind::Mirror,
     ];
 
+    /// Whether there is one for kernels in two dimensions.
+    pub fn is_in_plane(self) -> bool {
+        matches!(self, ClosureKind::Paper | ClosureKind::Offset | ClosureKind::Mirror)
+    }
+
     /// The support radius (metres) of the maps that it takes, for a kernel of this one.
     pub fn map_radius(self, support_radius: f64) -> f64 {
         match self {
@@ -159,7 +164,8 @@ enum Tables {
 
 impl Closure {
     /// A closure for particles of radius rp = `particle_radius` (metres, positive and finite; half of their spacing), and for
-    /// maps of [`ClosureKind::map_radius`].
+    /// maps of [`ClosureKind::map_radius`]. With a kernel in two dimensions for maps in two, of the kinds that
+    /// [`ClosureKind::is_in_plane`]; the others are then of no use.
     pub fn new(kind: ClosureKind, kernel: Kernel, particle_radius: f64) -> Closure {
         let tables = match kind {
             ClosureKind::Paper | ClosureKind::Offset => Tables::Point,

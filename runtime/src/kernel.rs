@@ -1,4 +1,4 @@
-//! SPH kernels W: of compact support, radially symmetric, integral 1 in three dimensions.
+//! SPH kernels W: of compact support, radially symmetric, integral 1 in three dimensions, or in two.
 //!
 //! Cubic spline: Monaghan 2005, *Smoothed Particle Hydrodynamics*, in the form of Koschier et al. 2019, Eq. 4.
 //! Wendland C2: Wendland 1995; Dehnen and Aly 2012, Table 1. Poly6 and Spiky: Mueller et al. 2003, *Particle-Based
@@ -7,6 +7,7 @@
 use std::f64::consts::PI;
 use std::fmt;
 use std::str::FromStr;
+use volmap_formats::asset::Dimension;
 
 /// SPH kernels, all scaled to the support radius.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -55,6 +56,16 @@ impl KernelKind {
         }
     }
 
+    /// W in two dimensions over W in three, both for support radius 1: the thickness (in support radii) of the layer of space
+    /// that stands for the plane. Sums of area times the one are sums of area times thickness times the other.
+    pub fn plane_thickness(self) -> f64 {
+        match self {
+            KernelKind::CubicSpline => 5.0 / 7.0,
+            KernelKind::WendlandC2 | KernelKind::Spiky => 2.0 / 3.0,
+            KernelKind::Poly6 => 256.0 / 315.0,
+        }
+    }
+
     fn name(self) -> &'static str {
         match self {
             KernelKind::CubicSpline => "cubic-spline",
@@ -83,6 +94,7 @@ impl FromStr for KernelKind {
 /// A kernel of a given size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Kernel {
+    dimension: Dimension,
     kind: KernelKind,
     support_radius: f64,
     per_radius: f64,
@@ -93,9 +105,24 @@ pub struct Kernel {
 impl Kernel {
     /// A kernel that is 0 from `support_radius` on (metres, positive and finite).
     pub fn new(kind: KernelKind, support_radius: f64) -> Kernel {
+        Kernel::scaled(Dimension::Three, kind, support_radius, (1.0 / support_radius).powi(3))
+    }
+
+    /// The same in two dimensions: integral 1 in the plane, values in 1/m^2 and derivatives in 1/m^3.
+    pub fn in_plane(kind: KernelKind, support_radius: f64) -> Kernel {
+        let scale = kind.plane_thickness() * support_radius.powi(-2);
+        Kernel::scaled(Dimension::Two, kind, support_radius, scale)
+    }
+
+    fn scaled(dimension: Dimension, kind: KernelKind, support_radius: f64, value_scale: f64) -> Kernel {
         let per_radius = 1.0 / support_radius;
-        let value_scale = per_radius.powi(3);
-        Kernel { kind, support_radius, per_radius, value_scale, derivative_scale: value_scale * per_radius }
+        let derivative_scale = value_scale * per_radius;
+        Kernel { dimension, kind, support_radius, per_radius, value_scale, derivative_scale }
+    }
+
+    /// In how many dimensions its integral is 1.
+    pub fn dimension(&self) -> Dimension {
+        self.dimension
     }
 
     /// Its shape.
@@ -134,6 +161,16 @@ mod tests {
             let kernel = Kernel::new(kind, RADIUS);
             let shell = |d: f64| 4.0 * PI * d * d * kernel.value(d);
             let sum = integrate(0.0, 0.5 * RADIUS, shell) + integrate(0.5 * RADIUS, RADIUS, shell);
+            assert!((sum - 1.0).abs() < 1e-14, "{kind}: {sum}");
+        }
+    }
+
+    #[test]
+    fn integral_over_the_plane_is_1() {
+        for kind in KernelKind::ALL {
+            let kernel = Kernel::in_plane(kind, RADIUS);
+            let ring = |d: f64| 2.0 * PI * d * kernel.value(d);
+            let sum = integrate(0.0, 0.5 * RADIUS, ring) + integrate(0.5 * RADIUS, RADIUS, ring);
             assert!((sum - 1.0).abs() < 1e-14, "{kind}: {sum}");
         }
     }

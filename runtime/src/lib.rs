@@ -14,8 +14,10 @@
 //! interpolated by cubic Serendipity elements on a sparse band of cells. Maps may hold the density of Koschier and
 //! Bender 2017 too (Eq. 9): [`VolumeMap::density`].
 //!
+//! Maps in two dimensions ([`Dimension::Two`]) answer the same questions for points (x, y).
+//!
 //! Guaranteed: after [`VolumeMap::open`] no query fails or panics, whatever the point (NaN is outside); memory is
-//! bounded by the file's size and 28 bytes a row of the grid's cells, of which there are at most 2^24; answers
+//! bounded by the file's size (thrice in two dimensions) and 28 bytes a row of the grid's cells, of which there are at most 2^24; answers
 //! don't depend on the thread, the batch or the processor, to the bit. A map is `Send + Sync`.
 //! Not guaranteed: gradients are continuous inside cells only (C0 elements).
 
@@ -37,6 +39,7 @@ mod kernel;
 mod lanes;
 mod nodes;
 mod open;
+mod plane;
 mod pose;
 mod query;
 pub mod serendipity;
@@ -45,9 +48,10 @@ pub use cells::{Cell, CellIndex, NodeNumbers};
 pub use closure::{BoundaryDensity, Closure, ClosureKind};
 pub use density::Density;
 pub use error::Error;
-pub use glam::{DQuat, DVec3};
+pub use glam::{DQuat, DVec2, DVec3};
 pub use grid::{Grid, Location};
 pub use kernel::{Kernel, KernelKind};
 pub use nodes::{Family, NodeInterval, Nodes};
 pub use pose::{Pose, PosedMap};
 pub use query::{Boundary, Sample, Values, VolumeMap};
+pub use volmap_formats::asset::Dimension;

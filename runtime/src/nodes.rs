@@ -104,6 +104,13 @@ impl Nodes {
         self.count as usize
     }
 
+    /// Number of nodes of a family.
+    pub fn count_of(&self, family: Family) -> usize {
+        let points = |it: &NodeInterval| (it.end - it.first) as usize;
+        let per_point = family.nodes_per_point() as usize;
+        per_point * self.families[family as usize].intervals.iter().map(points).sum::<usize>()
+    }
+
     /// All intervals of a family: row (j, k) and interval, in the order of their numbers.
     pub fn intervals(&self, family: Family) -> impl Iterator<Item = (u32, u32, NodeInterval)> + '_ {
         let rows = &self.families[family as usize];

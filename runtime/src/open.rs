@@ -6,10 +6,14 @@ use crate::error::Error;
 use crate::fields::{Fields, Numbers};
 use crate::grid::Grid;
 use crate::nodes::Nodes;
+use crate::plane::{self, PlaneNodes};
 use crate::query::VolumeMap;
 use glam::{DVec3, UVec3};
+use std::borrow::Cow;
 use std::path::Path;
-use volmap_formats::asset::{self, Array, Asset, CellRun, DensityField, MAX_CELLS_PER_AXIS, MAX_ROWS};
+use volmap_formats::asset::{
+    self, Array, Asset, CellRun, DensityField, Dimension, MAX_CELLS_PER_AXIS, MAX_ROWS,
+};
 
 impl VolumeMap {
     /// Opens an asset.
@@ -37,6 +41,7 @@ impl VolumeMap {
     pub fn from_asset(asset: &Asset) -> Result<VolumeMap, Error> {
         let grid = Grid::from(asset.grid);
         check_grid(&grid)?;
+        check_plane(asset.dimension, &grid)?;
         if !(asset.support_radius > 0.0 && asset.support_radius.is_finite()) {
             return Err(Error::inconsistent("/grid@support_radius", "isn't positive and finite"));
         }
@@ -45,9 +50,15 @@ impl VolumeMap {
         check_disjoint(&asset.band_cells, &asset.solid_cells)?;
         let nodes = Nodes::new(grid.resolution, &asset.band_cells)
             .ok_or_else(|| Error::inconsistent("/cells/band", "has more than 2^32 nodes"))?;
-        let fields = interleave(&asset.signed_distance, &asset.volume, nodes.count())?;
-        let density = asset.density.as_ref().map(|density| density_nodes(asset, density, nodes.count()));
+        let layout = Layout::new(asset.dimension, &nodes);
+        let fields = interleave(&asset.signed_distance, &asset.volume, &layout)?;
+        let density = asset.density.as_ref().map(|density| density_nodes(asset, density, &layout));
+        let grid = match asset.dimension {
+            Dimension::Two => plane::endless(grid),
+            Dimension::Three => grid,
+        };
         Ok(VolumeMap {
+            dimension: asset.dimension,
             grid,
             per_cell: 1.0 / grid.cell_size,
             support_radius: asset.support_radius,
@@ -73,6 +84,15 @@ fn check_grid(grid: &Grid) -> Result<(), Error> {
         return Err(Error::inconsistent("/grid", "isn't a finite box of cells larger than zero"));
     }
     Ok(())
+}
+
+fn check_plane(dimension: Dimension, grid: &Grid) -> Result<(), Error> {
+    match dimension == Dimension::Two && grid.resolution.z != 1 {
+        true => {
+            Err(Error::inconsistent("/grid@resolution", "has more than one cell along z in two dimensions"))
+        }
+        false => Ok(()),
+    }
 }
 
 fn check_runs(what: &'static str, runs: &[CellRun], resolution: UVec3) -> Result<(), Error> {
@@ -102,10 +122,34 @@ fn check_disjoint(band: &[CellRun], solid: &[CellRun]) -> Result<(), Error> {
     }
 }
 
-fn interleave(distance: &Array, volume: &Array, nodes: usize) -> Result<Fields, Error> {
-    check_field("/fields/signed_distance", distance, nodes)?;
-    check_field("/fields/volume", volume, nodes)?;
-    Fields::interleave(distance, volume).ok_or_else(|| Error::inconsistent("/fields", "differ in precision"))
+/// Which nodes' values are stored.
+struct Layout {
+    /// How many.
+    nodes: usize,
+    /// In two dimensions.
+    plane: Option<PlaneNodes>,
+}
+
+impl Layout {
+    fn new(dimension: Dimension, nodes: &Nodes) -> Layout {
+        let plane = (dimension == Dimension::Two).then(|| PlaneNodes::new(nodes));
+        Layout { nodes: plane.as_ref().map_or(nodes.count(), PlaneNodes::count), plane }
+    }
+
+    /// The values of all nodes of the cells.
+    fn all<'a>(&self, field: &'a Array) -> Cow<'a, Array> {
+        match &self.plane {
+            Some(plane) => Cow::Owned(plane.spread(field)),
+            None => Cow::Borrowed(field),
+        }
+    }
+}
+
+fn interleave(distance: &Array, volume: &Array, layout: &Layout) -> Result<Fields, Error> {
+    check_field("/fields/signed_distance", distance, layout.nodes)?;
+    check_field("/fields/volume", volume, layout.nodes)?;
+    let fields = Fields::interleave(&layout.all(distance), &layout.all(volume));
+    fields.ok_or_else(|| Error::inconsistent("/fields", "differ in precision"))
 }
 
 fn check_field(what: &'static str, field: &Array, nodes: usize) -> Result<(), Error> {
@@ -122,10 +166,10 @@ fn check_field(what: &'static str, field: &Array, nodes: usize) -> Result<(), Er
     Ok(())
 }
 
-fn density_nodes(asset: &Asset, density: &DensityField, nodes: usize) -> Result<DensityNodes, Error> {
-    check_field("/fields/density", &density.values, nodes)?;
+fn density_nodes(asset: &Asset, density: &DensityField, layout: &Layout) -> Result<DensityNodes, Error> {
+    check_field("/fields/density", &density.values, layout.nodes)?;
     let same_type = density.values.type_name() == asset.volume.type_name();
-    let numbers = Numbers::new(&density.values).filter(|_| same_type);
+    let numbers = Numbers::new(&layout.all(&density.values)).filter(|_| same_type);
     let numbers = numbers.ok_or_else(|| Error::inconsistent("/fields", "differ in precision"))?;
     Ok(DensityNodes { kernel: density.kernel.clone(), numbers })
 }

@@ -6,11 +6,12 @@ use crate::density::DensityNodes;
 use crate::fields::Fields;
 use crate::grid::Grid;
 use glam::DVec3;
-use volmap_formats::asset::{Exterior, QuadratureSpec};
+use volmap_formats::asset::{Dimension, Exterior, QuadratureSpec};
 
 /// A volume map, ready to be sampled. Made by [`VolumeMap::open`].
 #[derive(Clone, Debug)]
 pub struct VolumeMap {
+    pub(crate) dimension: Dimension,
     pub(crate) grid: Grid,
     /// 1 / cell_size, for gradients only.
     pub(crate) per_cell: DVec3,
@@ -42,7 +43,7 @@ pub struct Boundary {
     pub normal: DVec3,
     /// Point of the surface closest to the sample, x - Phi n, metres.
     pub closest_point: DVec3,
-    /// Volume of the solid in the ball of the support radius, m^3 (Eq. 12).
+    /// Volume of the solid in the ball of the support radius, m^3 (Eq. 12); in two dimensions area in the disc, m^2.
     pub volume: f64,
 }
 
@@ -111,7 +112,13 @@ impl VolumeMap {
         self.values(point).distance < 0.0
     }
 
-    /// The lattice of cells; its box is the domain of the map.
+    /// In how many dimensions the map is. In two, z plays no part: volumes are areas (m^2), their gradients are in m, and
+    /// directions lie in the plane.
+    pub fn dimension(&self) -> Dimension {
+        self.dimension
+    }
+
+    /// The lattice of cells; its box is the domain of the map. In two dimensions the cells are endless along z.
     pub fn grid(&self) -> &Grid {
         &self.grid
     }

@@ -122,7 +122,7 @@ impl Boundary {
     /// # Errors
     /// [`Error::Scene`] for a body that hasn't what the method needs: a mesh, or a density in its map.
     pub fn new(world: &World, fluid: &FluidSettings, bodies: &Bodies) -> Result<Boundary, Error> {
-        let kernel = Kernel::new(world.kernel, world.support_radius);
+        let kernel = world.kernel_of_size();
         let method = match world.boundary {
             BoundaryMethod::VolumeMap => Method::VolumeMap(Box::new(closure(world, fluid, kernel))),
             BoundaryMethod::DensityMap => {
@@ -211,7 +211,7 @@ fn closure(world: &World, fluid: &FluidSettings, kernel: Kernel) -> Closure {
     // The lattice of particles of less volume is closer.
     let radius = match world.closure {
         ClosureKind::Offset => world.particle_radius,
-        _ => world.particle_radius * fluid.volume_factor.cbrt(),
+        _ => world.particle_radius * fluid.volume_factor.powf(1.0 / world.dimension.count() as f64),
     };
     Closure::new(world.closure, kernel, radius)
 }

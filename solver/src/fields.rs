@@ -6,7 +6,7 @@ use crate::pairs::lanes::Quad;
 use crate::pairs::{Density, Pairs};
 use crate::particles::Particles;
 use rayon::prelude::*;
-use volmap_runtime::{DVec3, KernelKind};
+use volmap_runtime::{DVec3, Dimension, KernelKind};
 
 /// What the sums over neighbours are made with.
 #[derive(Clone, Copy, Debug)]
@@ -15,8 +15,10 @@ pub struct Discretization {
     pub kernel: KernelKind,
     /// Its support radius r, metres.
     pub support_radius: f64,
-    /// Volume V of a particle, m^3.
+    /// Volume V of a particle, m^3; in two dimensions as [`World::volume_in_sums`](crate::settings::World::volume_in_sums) has it.
     pub volume: f64,
+    /// In how many dimensions: of the Laplacian.
+    pub dimension: Dimension,
 }
 
 impl Discretization {

@@ -18,6 +18,7 @@ mod non_pressure;
 pub mod output;
 pub mod pairs;
 pub mod particles;
+pub mod plane;
 pub mod pressure;
 pub mod reproduce;
 pub mod response;

@@ -81,7 +81,8 @@ impl Pairs<'_> {
     /// The same times 2 (d + 2) / r: what the sum of slope (u . x) x / (x . x) becomes a Laplacian by; x . x and x are in
     /// support radii, of which one is left over.
     fn laplacian_scale<K: KernelLanes>(&self) -> f32 {
-        viscosity::FACTOR * self.gradient_scale::<K>() / self.with.support_radius as f32
+        let factor = 2 * (self.with.dimension.count() + 2);
+        factor as f32 * self.gradient_scale::<K>() / self.with.support_radius as f32
     }
 
     fn run(&self, work: impl KernelWork) {

@@ -4,7 +4,9 @@
 //! Divergence-free and Viscous SPH Fluids*. METHODS.md of this crate tells what comes of them. They are made as those of
 //! [`crate::validation`]; a row has the paper's figure where it gives one.
 
+mod fig11;
+
 use crate::validation::Experiment;
 
 /// All of them.
-pub const EXPERIMENTS: &[Experiment] = &[];
+pub const EXPERIMENTS: &[Experiment] = &[fig11::EXPERIMENT];

@@ -37,7 +37,7 @@ use check::{At, Checked};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
-use volmap_runtime::{ClosureKind, KernelKind};
+use volmap_runtime::{ClosureKind, Dimension, KernelKind};
 
 /// The version of the format that this program reads.
 pub const VERSION: u32 = 1;
@@ -150,6 +150,7 @@ impl Scene {
     /// What the solver needs of it all the time.
     pub fn world(&self) -> World {
         World {
+            dimension: Dimension::Three,
             particle_radius: self.particle_radius,
             support_radius: self.support_radius(),
             kernel: self.kernel,

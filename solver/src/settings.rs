@@ -3,7 +3,7 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use volmap_runtime::{ClosureKind, DVec3, KernelKind};
+use volmap_runtime::{ClosureKind, DVec3, Dimension, KernelKind};
 
 /// Both pressure solves and the time step.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -163,6 +163,8 @@ impl World {
 /// What the whole scene shares.
 #[derive(Clone, Debug, PartialEq)]
 pub struct World {
+    /// In how many dimensions. In two everything is in the plane z = 0; scenes' files are in three.
+    pub dimension: Dimension,
     /// Particle radius rp, metres: half of the particles' spacing.
     pub particle_radius: f64,
     /// Support radius r of the kernel, metres; 4 rp as a rule.
@@ -242,6 +244,7 @@ impl Default for FluidSettings {
 impl Default for World {
     fn default() -> Self {
         World {
+            dimension: Dimension::Three,
             particle_radius: 0.025,
             support_radius: 0.1,
             kernel: KernelKind::CubicSpline,

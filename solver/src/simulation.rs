@@ -9,6 +9,7 @@ use crate::error::Error;
 use crate::fields::{Discretization, Fields};
 use crate::neighbours::{CHUNK, Neighbours};
 use crate::particles::Particles;
+use crate::plane;
 use crate::pressure::{Solve, SolveReport};
 use crate::response::Response;
 use crate::scene::Emitter;
@@ -118,6 +119,7 @@ impl Simulation {
     /// # Errors
     /// As [`Boundary::new`].
     pub fn new(setup: Setup) -> Result<Simulation, Error> {
+        plane::check(&setup)?;
         let Setup { world, fluid, solver, particles, emitters, bodies, domain } = setup;
         let densities = vec![1.0; particles.len()];
         let boundary = Boundary::new(&world, &fluid, &bodies)?;
@@ -204,7 +206,7 @@ impl Simulation {
             )));
         }
         let first = self.step == 0 && settings.adaptive;
-        let viscous = viscous_limit(&self.fluid, self.world.kernel, self.world.support_radius);
+        let viscous = viscous_limit(&self.fluid, &self.world);
         let dt = time_step(settings, self.world.particle_radius, max_speed, viscous);
         Ok(if first { dt.min(settings.initial) } else { dt })
     }
@@ -353,16 +355,17 @@ impl Simulation {
         Discretization {
             kernel: self.world.kernel,
             support_radius: self.world.support_radius,
-            volume: self.particle_volume(),
+            volume: self.particle_volume() * self.world.volume_in_sums(),
+            dimension: self.world.dimension,
         }
     }
 
-    /// Volume V of a particle, m^3.
+    /// Volume V of a particle, m^3; in two dimensions area, m^2.
     pub fn particle_volume(&self) -> f64 {
-        self.fluid.volume_factor * (2.0 * self.world.particle_radius).powi(3)
+        self.fluid.volume_factor * self.world.particle_cube()
     }
 
-    /// Mass of a particle, kg.
+    /// Mass of a particle, kg; in two dimensions kg/m.
     pub fn particle_mass(&self) -> f64 {
         self.fluid.rest_density * self.particle_volume()
     }
@@ -441,7 +444,9 @@ fn default_domain(particles: &Particles, emitters: &[Emitter], bodies: &Bodies, 
         let grid = body.map.grid();
         for corner in 0..8 {
             let pick = |bit: u32, min: f64, max: f64| if corner >> bit & 1 == 0 { min } else { max };
-            let [min, max] = [grid.origin, grid.max_corner()];
+            // In two dimensions grids are endless along z.
+            let [min, max] =
+                [grid.origin, grid.max_corner()].map(|x| if x.z.is_finite() { x } else { x.with_z(0.0) });
             let at = DVec3::new(pick(0, min.x, max.x), pick(1, min.y, max.y), pick(2, min.z, max.z));
             points.push(body.pose.to_world(at));
         }

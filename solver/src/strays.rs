@@ -7,7 +7,7 @@
 use crate::bodies::Bodies;
 use crate::boundary::Inside;
 use crate::particles::Particles;
-use volmap_runtime::{DVec3, PosedMap, Sample};
+use volmap_runtime::{DVec3, Dimension, PosedMap, Sample};
 
 /// How far from the surface a particle is put down, in its radii: on it the wall's density alone would push it away.
 const BEYOND: f64 = 0.5;
@@ -44,11 +44,11 @@ pub fn bring_back<'a>(
     }
 }
 
-/// From a point deep in a body to its surface.
+/// From a point deep in a body to its surface; in two dimensions by the 8 rays in the plane.
 fn shortest_way(map: &PosedMap, point: DVec3) -> Option<DVec3> {
     let step = RAY_STEP * map.map.support_radius();
     let rays: Vec<DVec3> = (0..27)
-        .filter(|&i| i != 13)
+        .filter(|&i| i != 13 && (map.map.dimension() == Dimension::Three || i / 9 == 1))
         .map(|i| DVec3::new((i % 3 - 1) as f64, (i / 3 % 3 - 1) as f64, (i / 9 - 1) as f64).normalize())
         .collect();
     // All rays grow together: the first that meets the band is the shortest.

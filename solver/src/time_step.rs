@@ -1,8 +1,9 @@
 //! The time step by the condition of Courant, Friedrichs and Lewy (Monaghan 1992; Bender and Koschier 2017, section 4),
 //! and by that of explicit viscosity.
 
-use crate::settings::{FluidSettings, TimeStepSettings};
-use volmap_runtime::KernelKind;
+use crate::settings::{FluidSettings, TimeStepSettings, World};
+use std::f64::consts::PI;
+use volmap_runtime::{Dimension, KernelKind};
 
 /// A particle may cross this part of its diameter in a step, at a CFL factor of 1.
 const PART_OF_DIAMETER: f64 = 0.4;
@@ -23,17 +24,21 @@ pub fn time_step(settings: &TimeStepSettings, particle_radius: f64, max_speed: f
 /// ```text
 /// S = 10 V sum |W'| / |x|  ->  40 pi integral of |W'(s)| s ds = 40 pi integral of W(s) ds  (0..r),
 /// ```
-/// which is 120 / r^2 for the cubic spline. More than the whole difference must not go: nu dt S <= 1, of which XSPH takes
+/// which is 120 / r^2 for the cubic spline; in two dimensions 8 for 10, and 16 pi W(0), which is 91 / r^2. More than the whole difference must not go: nu dt S <= 1, of which XSPH takes
 /// its part.
-pub fn viscous_limit(fluid: &FluidSettings, kernel: KernelKind, support_radius: f64) -> f64 {
+pub fn viscous_limit(fluid: &FluidSettings, world: &World) -> f64 {
     // pi times the kernel's integral along a line, for r = 1.
-    let line = match kernel {
+    let line = match world.kernel {
         KernelKind::CubicSpline => 3.0,
         KernelKind::WendlandC2 => 3.5,
         KernelKind::Spiky => 3.75,
         KernelKind::Poly6 => 2.25,
     };
-    let weights = 40.0 * line / (support_radius * support_radius);
+    let in_radius = match world.dimension {
+        Dimension::Two => 16.0 * PI * world.kernel.plane_thickness() * world.kernel.unit_value(0.0),
+        Dimension::Three => 40.0 * line,
+    };
+    let weights = in_radius / (world.support_radius * world.support_radius);
     let [explicit, _] = fluid.viscosities();
     (1.0 - 0.5 * fluid.xsph) / (explicit * weights)
 }
@@ -42,7 +47,6 @@ pub fn viscous_limit(fluid: &FluidSettings, kernel: KernelKind, support_radius: 
 mod tests {
     use super::*;
     use crate::settings::ViscosityMethod;
-    use std::f64::consts::PI;
 
     #[test]
     fn step_keeps_its_bounds() {
@@ -65,12 +69,19 @@ mod tests {
             const STEPS: u32 = 20_000;
             let sum: f64 = (0..STEPS).map(|n| kind.unit_value((f64::from(n) + 0.5) / f64::from(STEPS))).sum();
             let weights = 40.0 * PI * sum / f64::from(STEPS) / 0.01;
-            let limit = viscous_limit(&fluid, kind, 0.1);
+            let world = World { kernel: kind, support_radius: 0.1, ..World::default() };
+            let limit = viscous_limit(&fluid, &world);
             assert!((limit * 2.0 * weights / 0.75 - 1.0).abs() < 1e-6, "{kind}: {limit}");
+            // 8 sum of A |W'| / |x| in the plane: 16 pi integral of |W'|.
+            let kernel = volmap_runtime::Kernel::in_plane(kind, 0.1);
+            let slope = |n: u32| -kernel.derivative(0.1 * (f64::from(n) + 0.5) / f64::from(STEPS));
+            let weights = 16.0 * PI * (0..STEPS).map(slope).sum::<f64>() * 0.1 / f64::from(STEPS);
+            let limit = viscous_limit(&fluid, &World { dimension: Dimension::Two, ..world });
+            assert!((limit * 2.0 * weights / 0.75 - 1.0).abs() < 1e-6, "{kind} in the plane: {limit}");
         }
         let implicit = FluidSettings { viscosity_method: ViscosityMethod::Implicit, ..fluid.clone() };
         for none in [implicit, FluidSettings { viscosity: 0.0, ..fluid }] {
-            assert_eq!(viscous_limit(&none, KernelKind::Poly6, 0.1), f64::INFINITY);
+            assert_eq!(viscous_limit(&none, &World::default()), f64::INFINITY);
         }
     }
 }

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Reads volmap assets (HDF5, format versions 1 and 2): load(path).sample(points).
+"""Reads volmap assets (HDF5, format versions 1 to 4): load(path).sample(points).
 
 Written from SPEC.md alone; it shares no code with the Rust reader. Section numbers are SPEC.md's.
 Needs numpy, h5py, hdf5plugin and blake3. Command line:
@@ -27,7 +27,7 @@ COLUMNS = "distance", "nx", "ny", "nz", "cx", "cy", "cz", "volume"
 
 TABLES = "/cells/band", "/cells/solid"
 FIELDS = "/fields/signed_distance", "/fields/volume"
-DENSITY = "/fields/density"  # of version 2
+DENSITY = "/fields/density"  # of versions 2 and 4
 DENSITY_COLUMNS = "density", "gx", "gy", "gz"
 GROUPS = "/", "/bake", "/cells", "/diagnosis", "/fields", "/grid", "/quadrature", "/source"
 
@@ -163,9 +163,9 @@ class Runs:
 
 
 def number_nodes(cells, resolution):
-    """The 32 nodes of each cell [cells, 32], and how many nodes there are."""
+    """The 32 nodes of each cell [cells, 32], and how many nodes each family has."""
     rx, ry, _ = resolution + 1
-    columns, first = [], 0
+    columns, counts, first = [], [], 0
     for family in range(4):
         touched = BITS
         if family:
@@ -176,8 +176,15 @@ def number_nodes(cells, resolution):
         a_point = 2 if family else 1
         nodes = first + a_point * rank.reshape(i.shape)[..., None] + np.arange(a_point)
         columns.append(nodes.reshape(len(cells), 8))
-        first += a_point * len(points)
-    return np.concatenate(columns, 1), first
+        counts.append(a_point * len(points))
+        first += counts[-1]
+    return np.concatenate(columns, 1), counts
+
+
+def spread(values, counts):
+    """The values of all nodes of one layer of cells, from those of the nodes in the plane: section 12."""
+    corners, x_edges, y_edges = np.split(values, np.cumsum(counts[:2]))
+    return np.concatenate([corners, corners, x_edges, x_edges, y_edges, y_edges, np.repeat(corners, 2)])
 
 
 def shape_functions(xi):
@@ -215,8 +222,9 @@ class Map:
             raise Refused("not an asset") from None
         version = numbers(file, "format_version", "u")
         need(version >= 1, "format_version is 0")
-        need(version <= 2, f"the file is newer than this reader: format version {version}")
-        self.fields = FIELDS + (DENSITY,) * (version == 2)
+        need(version <= 4, f"the file is newer than this reader: format version {version}")
+        self.plane = version >= 3
+        self.fields = FIELDS + (DENSITY,) * (version % 2 == 0)
         for path in GROUPS + TABLES + self.fields:
             kind = h5py.Group if path in GROUPS else h5py.Dataset
             need(path in file and isinstance(file[path], kind), f"{path} is missing")
@@ -224,7 +232,7 @@ class Map:
 
         text(file, "length_unit", "m")
         text(file, "extension_function", "cubic_spline")
-        text(file["fields"], "node_layout", "cubic_serendipity_32")
+        text(file["fields"], "node_layout", "cubic_serendipity_12" if self.plane else "cubic_serendipity_32")
         grid, rule = file["grid"], file["quadrature"]
         for group in grid, rule:
             for name in group.attrs:
@@ -238,6 +246,8 @@ class Map:
         resolution = numbers(grid, "resolution", "u", 3)
         need(((1 <= resolution) & (resolution <= 1 << 20)).all(), "resolution is out of range")
         self.resolution = resolution.astype(np.int64)
+        if self.plane:
+            need(numbers(grid, "dimension", "u") == 2 and resolution[2] == 1, "not a grid in the plane")
         need(self.resolution[1] * self.resolution[2] <= 1 << 24, "resolution: too many rows")
         need((self.cell_size > 0).all() and self.support_radius > 0 and self.ball_volume > 0, "a size that isn't > 0")
         text(rule, "name")
@@ -255,11 +265,16 @@ class Map:
         need(precision == same, "the fields have two types")
         # Every cell has a corner of its own, so this bounds what number_nodes allocates.
         need(self.band.cells <= len(phi) == len(volume), "length of the fields")
-        self.nodes, count = number_nodes(self.band.indices(), self.resolution)
-        need(count == len(phi), "length of the fields")
-        self.precision, self.phi, self.volume = precision, phi, volume
+        self.nodes, counts = number_nodes(self.band.indices(), self.resolution)
+        # Half of the nodes of each family lies below the layer of cells.
+        self.counts = [count // 2 for count in counts[:3]] if self.plane else counts
+        need(sum(self.counts) == len(phi), "length of the fields")
+        self.precision, self.phi, self.volume = precision, self.all_nodes(phi), self.all_nodes(volume)
         self.max_error = phi_error, volume_error
-        self.density = self.read_density(file) if version == 2 else None
+        self.density = self.read_density(file) if version % 2 == 0 else None
+
+    def all_nodes(self, values):
+        return spread(values, self.counts) if self.plane else values
 
     def read_density(self, file):
         data = file[DENSITY]
@@ -272,8 +287,8 @@ class Map:
         numbers(data, "points", "u")
         need(numbers(data, "degree", "u") < 1 << 32, f"degree of {DENSITY} is out of range")
         precision, values, _ = field(file, DENSITY)
-        need(precision == self.precision and len(values) == len(self.phi), f"{DENSITY}: type or length")
-        return values
+        need(precision == self.precision and len(values) == sum(self.counts), f"{DENSITY}: type or length")
+        return self.all_nodes(values)
 
     def sample(self, points):
         """Arrays region, distance, normal, closest, volume and density (with gradient: [n, 4]) at the points [n, 3]; NaN
@@ -281,6 +296,10 @@ class Map:
         points = np.asarray(points, np.float64).reshape(-1, 3)
         with np.errstate(over="ignore", invalid="ignore"):
             p = (points - self.origin) / self.cell_size
+        per = 2 / self.cell_size
+        if self.plane:
+            p[:, 2] = np.where(np.isfinite(points[:, 2]), 0, np.nan)
+            per[2] = 0
         inside = ((0 <= p) & (p <= self.resolution)).all(1)
         outer = DEEP_INSIDE if self.exterior == "solid" else OUTSIDE
         region = np.where(np.isfinite(points).all(1), outer, OUTSIDE)
@@ -307,8 +326,8 @@ class Map:
         if self.density is not None:
             rho = self.density[stored]
             density[band, 0] = (n * rho).sum(1)
-            density[band, 1:] = 2 / self.cell_size * np.einsum("na,nad->nd", rho, dn)
-        gradient = 2 / self.cell_size * np.einsum("na,nad->nd", phi, dn)
+            density[band, 1:] = per * np.einsum("na,nad->nd", rho, dn)
+        gradient = per * np.einsum("na,nad->nd", phi, dn)
         length = np.linalg.norm(gradient, axis=1, keepdims=True)
         slope[band] = length[:, 0]
         normal[band] = np.divide(gradient, length, out=np.zeros_like(gradient), where=length > 0)

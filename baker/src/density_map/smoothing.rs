@@ -17,9 +17,18 @@ pub enum Smoothing {
 impl Smoothing {
     /// W at distance q from the centre, for support radius 1 (so, with q = |xi| / r, r^3 W).
     pub fn value(self, q: f64) -> f64 {
+        self.kind().unit_value(q)
+    }
+
+    /// The same in two dimensions (r^2 W).
+    pub fn value_in_plane(self, q: f64) -> f64 {
+        self.kind().plane_thickness() * self.kind().unit_value(q)
+    }
+
+    fn kind(self) -> KernelKind {
         match self {
-            Smoothing::CubicSpline => KernelKind::CubicSpline.unit_value(q),
-            Smoothing::WendlandC2 => KernelKind::WendlandC2.unit_value(q),
+            Smoothing::CubicSpline => KernelKind::CubicSpline,
+            Smoothing::WendlandC2 => KernelKind::WendlandC2,
         }
     }
 }

@@ -56,7 +56,7 @@ pub fn run_bake(arguments: &BakeArguments) -> Result<()> {
 
 /// Ends the program on Ctrl-C at once, but not while the lock is held: nothing half-written stays. The flag says
 /// whether the asset is written.
-fn exit_between_writes() -> Result<Arc<Mutex<bool>>> {
+pub(super) fn exit_between_writes() -> Result<Arc<Mutex<bool>>> {
     let writing = Arc::new(Mutex::new(false));
     let handler_lock = writing.clone();
     ctrlc::set_handler(move || {

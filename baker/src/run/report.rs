@@ -7,6 +7,7 @@ use anyhow::{Result, bail};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use volmap_baker::area_map::require_space;
 use volmap_baker::input::{self, Input};
 use volmap_baker::provenance;
 use volmap_baker::report::findings::Findings;
@@ -26,6 +27,7 @@ pub fn run_report(arguments: &ReportArguments) -> Result<ExitCode> {
     }
     check_targets(arguments, path)?;
     let content = asset::read(path)?;
+    require_space(&content, "volmap report")?;
     let mesh = mesh(arguments, path, &content)?;
     let warning = mesh.as_ref().and_then(|input| provenance::other_mesh(&content, &input.source));
     warning.iter().for_each(|warning| eprintln!("warning: {warning}"));

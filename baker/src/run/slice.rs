@@ -4,6 +4,7 @@ use crate::args::slice::SliceArguments;
 use crate::is_same_file;
 use anyhow::{Result, bail};
 use std::path::PathBuf;
+use volmap_baker::area_map::require_space;
 use volmap_baker::{input, provenance, slice};
 use volmap_formats::asset;
 use volmap_runtime::VolumeMap;
@@ -19,6 +20,7 @@ pub fn run_slice(arguments: &SliceArguments) -> Result<()> {
         asset::check_target(target)?;
     }
     let content = asset::read(&arguments.asset)?;
+    require_space(&content, "volmap slice")?;
     let input = match &arguments.mesh {
         Some(path) => Some(input::load(path, &provenance::input_settings(&content)?)?),
         None => None,

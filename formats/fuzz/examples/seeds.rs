@@ -6,7 +6,7 @@ mod samples;
 
 use std::path::Path;
 use volmap_baker::export::discregrid::discregrid;
-use volmap_formats::asset::{self, Array, Asset, CellRun, Compression, Exterior, GridSpec, QuadratureSpec};
+use volmap_formats::asset::{self, Array, Asset, CellRun, Compression, Dimension, Exterior, GridSpec, QuadratureSpec};
 use volmap_formats::export::cdm;
 use volmap_formats::mesh::MeshFormat;
 
@@ -15,6 +15,7 @@ fn asset() -> Asset {
     let field = |scale: f32| Array::F32((0..32).map(|n| scale * (n as f32 - 16.0)).collect());
     let options = (0..12).map(|k| (format!("option_{k}"), f64::from(k).into()));
     Asset {
+        dimension: Dimension::Three,
         grid: GridSpec { origin: [0.0; 3], cell_size: [0.5; 3], resolution: [2, 1, 1] },
         support_radius: 0.1,
         exterior: Exterior::Fluid,

@@ -2,7 +2,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use volmap_formats::asset::{Array, Asset, Attributes, CellRun, Exterior, GridSpec, QuadratureSpec};
+use volmap_formats::asset::{Array, Asset, Attributes, CellRun, Dimension, Exterior, GridSpec, QuadratureSpec};
 use volmap_runtime::{DVec3, VolumeMap};
 
 /// Numbers from the fuzzer's bytes, zeros at the end.
@@ -62,6 +62,7 @@ fn expected_count(asset: &Asset) -> Option<usize> {
 fuzz_target!(|bytes: &[u8]| {
     let mut numbers = Numbers(bytes);
     let mut asset = Asset {
+        dimension: if numbers.byte() % 2 == 0 { Dimension::Three } else { Dimension::Two },
         grid: GridSpec {
             origin: numbers.reals(),
             cell_size: numbers.reals(),

@@ -1,5 +1,5 @@
 //! The boundary density as it is stored: Koschier and Bender 2017, *Density Maps for Improved SPH Boundary Handling*;
-//! Eq. 9 to 11 of Bender et al. 2020. Only files of version 2 have it.
+//! Eq. 9 to 11 of Bender et al. 2020. Only files of versions 2 and 4 have it.
 
 use super::error::AssetError;
 use super::schema::{self, DENSITY, Reader};

@@ -6,23 +6,28 @@ use super::rounded::Rounded;
 #[cfg(feature = "write")]
 use super::tree::Dataset;
 use super::tree::{Array, Attributes, MAX_ERROR, STEP, Tree, Value};
-use super::{Asset, CellRun, Exterior, GridSpec, QuadratureSpec};
+use super::{Asset, CellRun, Dimension, Exterior, GridSpec, QuadratureSpec};
 
 /// Value of the root attribute `format`.
 pub const FORMAT_NAME: &str = "volmap";
-/// The newest version that is read. A file gets the lowest version that holds its content: 2 if it has a density.
-pub const FORMAT_VERSION: u64 = 2;
+/// The newest version that is read. A file gets the lowest version that holds its content: 1 in space, 2 with a density;
+/// 3 and 4 are the same in the plane.
+pub const FORMAT_VERSION: u64 = 4;
 
 pub(super) const GROUPS: [&str; 8] =
     ["/", "/bake", "/cells", "/diagnosis", "/fields", "/grid", "/quadrature", "/source"];
 pub(super) const DATASETS: [&str; 4] =
     ["/cells/band", "/cells/solid", "/fields/signed_distance", "/fields/volume"];
-/// What version 2 has beside these.
+/// What versions 2 and 4 have beside these.
 pub(super) const DENSITY: &str = "/fields/density";
 
 /// Eq. 13 of Bender et al. 2020, the one extension function of this version.
 const EXTENSION: &str = "cubic_spline";
 const NODE_LAYOUT: &str = "cubic_serendipity_32";
+/// The quadrilateral of versions 3 and 4.
+const NODE_LAYOUT_PLANE: &str = "cubic_serendipity_12";
+/// Attribute of the grid in versions 3 and 4.
+const DIMENSION: &str = "dimension";
 /// Cells along an axis of a grid, at most.
 pub const MAX_CELLS_PER_AXIS: u32 = 1 << 20;
 /// Rows of cells along x (resolution y times z), at most: indices of rows take memory.
@@ -37,7 +42,7 @@ pub(super) fn tree_from_asset(asset: &Asset) -> Tree {
     group("/bake", asset.bake.clone());
     group("/cells", Attributes::new());
     group("/diagnosis", asset.diagnosis.clone());
-    group("/fields", attributes([("node_layout", NODE_LAYOUT.into())]));
+    group("/fields", attributes([("node_layout", asset.dimension.node_layout().into())]));
     group("/grid", grid_attributes(asset));
     group("/quadrature", quadrature_attributes(asset));
     group("/source", asset.source.clone());
@@ -50,7 +55,11 @@ pub(super) fn tree_from_asset(asset: &Asset) -> Tree {
     );
     dataset(
         "/fields/volume",
-        field_dataset(&asset.volume, "m^3", "boundary volume, Eq. 12 of Bender et al. 2020"),
+        field_dataset(
+            &asset.volume,
+            asset.dimension.volume_unit(),
+            "boundary volume, Eq. 12 of Bender et al. 2020",
+        ),
     );
     if let Some(density) = &asset.density {
         dataset(DENSITY, density::dataset(density));
@@ -62,7 +71,25 @@ pub(super) fn tree_from_asset(asset: &Asset) -> Tree {
 impl Asset {
     /// Version of the format of its file.
     pub fn format_version(&self) -> u64 {
-        if self.density.is_some() { 2 } else { 1 }
+        let plane = if self.dimension == Dimension::Two { 2 } else { 0 };
+        1 + plane + u64::from(self.density.is_some())
+    }
+}
+
+impl Dimension {
+    fn node_layout(self) -> &'static str {
+        match self {
+            Dimension::Two => NODE_LAYOUT_PLANE,
+            Dimension::Three => NODE_LAYOUT,
+        }
+    }
+
+    /// Unit of the volume: `m^2` or `m^3`.
+    pub fn volume_unit(self) -> &'static str {
+        match self {
+            Dimension::Two => "m^2",
+            Dimension::Three => "m^3",
+        }
     }
 }
 
@@ -82,13 +109,17 @@ fn grid_attributes(asset: &Asset) -> Attributes {
         Exterior::Fluid => "fluid",
         Exterior::Solid => "solid",
     };
-    attributes([
+    let mut grid = attributes([
         ("origin", asset.grid.origin.into()),
         ("cell_size", asset.grid.cell_size.into()),
         ("resolution", asset.grid.resolution.into()),
         ("support_radius", asset.support_radius.into()),
         ("exterior", exterior.into()),
-    ])
+    ]);
+    if asset.dimension == Dimension::Two {
+        grid.insert(DIMENSION.into(), 2u64.into());
+    }
+    grid
 }
 
 #[cfg(feature = "write")]
@@ -145,8 +176,8 @@ fn check_format(root: &Attributes) -> Result<Vec<&'static str>, AssetError> {
         Some(Value::Integer(v)) if v.len() == 1 && v[0] > FORMAT_VERSION => {
             Err(AssetError::Version { found: v[0], supported: FORMAT_VERSION })
         }
-        Some(Value::Integer(v)) if v[..] == [1] => Ok(DATASETS.to_vec()),
-        Some(Value::Integer(v)) if v[..] == [2] => Ok([&DATASETS[..], &[DENSITY]].concat()),
+        Some(Value::Integer(v)) if v[..] == [1] || v[..] == [3] => Ok(DATASETS.to_vec()),
+        Some(Value::Integer(v)) if v[..] == [2] || v[..] == [4] => Ok([&DATASETS[..], &[DENSITY]].concat()),
         _ => Err(AssetError::invalid("/@format_version", "isn't a version number")),
     }
 }
@@ -159,9 +190,16 @@ pub(super) fn asset_from_tree(mut tree: Tree) -> Result<Asset, AssetError> {
     let root = Reader::new(&tree, "/");
     root.expect("length_unit", "m")?;
     root.expect("extension_function", EXTENSION)?;
-    Reader::new(&tree, "/fields").expect("node_layout", NODE_LAYOUT)?;
+    let dimension = match root.integers("format_version")? {
+        [1 | 2] => Dimension::Three,
+        _ => Dimension::Two,
+    };
+    Reader::new(&tree, "/fields").expect("node_layout", dimension.node_layout())?;
     let grid_group = Reader::new(&tree, "/grid");
     let grid = grid_spec(&grid_group)?;
+    if dimension == Dimension::Two {
+        check_plane(&grid_group, &grid)?;
+    }
     let support_radius = grid_group.positive("support_radius")?;
     let exterior = match grid_group.text("exterior")?.as_str() {
         "fluid" => Exterior::Fluid,
@@ -174,6 +212,7 @@ pub(super) fn asset_from_tree(mut tree: Tree) -> Result<Asset, AssetError> {
     let mut group = |path: &str| tree.groups.remove(path).unwrap_or_default();
     let (bake, source, diagnosis) = (group("/bake"), group("/source"), group("/diagnosis"));
     Ok(Asset {
+        dimension,
         grid,
         support_radius,
         exterior,
@@ -199,6 +238,17 @@ fn grid_spec(group: &Reader) -> Result<GridSpec, AssetError> {
         return Err(group.invalid("cell_size", "isn't positive"));
     }
     Ok(GridSpec { origin: group.reals("origin")?, cell_size, resolution: resolution.map(|n| n as u32) })
+}
+
+/// In the plane there is one layer of cells; its thickness has no meaning.
+fn check_plane(group: &Reader, grid: &GridSpec) -> Result<(), AssetError> {
+    if group.integers(DIMENSION)? != [2] {
+        return Err(group.invalid(DIMENSION, "isn't 2, as in files of this version"));
+    }
+    match grid.resolution {
+        [_, _, 1] => Ok(()),
+        _ => Err(group.invalid("resolution", "has more than one cell along z in two dimensions")),
+    }
 }
 
 fn quadrature_spec(group: &Reader) -> Result<QuadratureSpec, AssetError> {
@@ -320,6 +370,7 @@ mod tests {
 
     fn asset() -> Asset {
         Asset {
+            dimension: Dimension::Three,
             grid: GridSpec { origin: [0.0; 3], cell_size: [0.5; 3], resolution: [2, 1, 1] },
             support_radius: 0.1,
             exterior: Exterior::Fluid,
@@ -355,18 +406,41 @@ mod tests {
     }
 
     #[test]
-    fn only_assets_with_a_density_are_of_version_2() {
-        for (density, version) in [(None, 1u64), (density(), 2)] {
-            let asset = Asset { density, ..asset() };
+    fn versions_tell_dimension_and_density() {
+        use Dimension::{Three, Two};
+        let all = [(Three, None, 1u64), (Three, density(), 2), (Two, None, 3), (Two, density(), 4)];
+        for (dimension, density, version) in all {
+            let asset = Asset { dimension, density, ..asset() };
             let tree = tree_from_asset(&asset);
             assert_eq!(tree.groups["/"]["format_version"], version.into());
-            assert_eq!(tree.datasets.contains_key(DENSITY), version == 2);
-            assert_eq!(check_format(&tree.groups["/"]).unwrap().contains(&DENSITY), version == 2);
+            assert_eq!(tree.datasets.contains_key(DENSITY), version % 2 == 0);
+            assert_eq!(check_format(&tree.groups["/"]).unwrap().contains(&DENSITY), version % 2 == 0);
             assert_eq!(asset_from_tree(tree).unwrap(), asset);
         }
-        for version in [Value::from(0u64), 3u64.into(), Value::Integer(vec![1, 1]), 1.0.into()] {
+        for version in [Value::from(0u64), 5u64.into(), Value::Integer(vec![1, 1]), 1.0.into()] {
             let root = attributes([("format", FORMAT_NAME.into()), ("format_version", version)]);
             assert!(check_format(&root).is_err());
+        }
+    }
+
+    #[test]
+    fn grids_that_are_not_in_the_plane_are_refused_by_name() {
+        let error = |path: &str, name: &str, value: Value| {
+            let mut tree = tree_from_asset(&Asset { dimension: Dimension::Two, ..asset() });
+            tree.groups.get_mut(path).unwrap().insert(name.into(), value);
+            tree.seal();
+            asset_from_tree(tree).err().map(|error| error.to_string())
+        };
+        assert_eq!(error("/grid", "dimension", 2u64.into()), None);
+        let bad: [(&str, &str, Value); 4] = [
+            ("/grid", "dimension", 3u64.into()),
+            ("/grid", "dimension", 2.0.into()),
+            ("/grid", "resolution", [2, 1, 2].into()),
+            ("/fields", "node_layout", NODE_LAYOUT.into()),
+        ];
+        for (path, name, value) in bad {
+            let error = error(path, name, value).unwrap();
+            assert!(error.contains(&format!("{path}@{name}")), "{error}");
         }
     }
 

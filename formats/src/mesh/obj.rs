@@ -104,7 +104,7 @@ impl<'a> Reader<'a> {
 }
 
 /// A line without its comment, joined with those that a backslash continues it with.
-fn logical_line<'a>(lines: &mut Words<'a>) -> Option<Cow<'a, [u8]>> {
+pub(super) fn logical_line<'a>(lines: &mut Words<'a>) -> Option<Cow<'a, [u8]>> {
     let line = lines.next_line()?;
     let Some(start) = line.trim_ascii_end().strip_suffix(b"\\") else {
         return Some(Cow::Borrowed(without_comment(line)));
@@ -129,7 +129,10 @@ fn without_comment(line: &[u8]) -> &[u8] {
 }
 
 /// The first three numbers; a weight or a colour may follow.
-fn position<'a>(here: &Words, mut words: impl Iterator<Item = &'a [u8]>) -> Result<[f64; 3], MeshError> {
+pub(super) fn position<'a>(
+    here: &Words,
+    mut words: impl Iterator<Item = &'a [u8]>,
+) -> Result<[f64; 3], MeshError> {
     let mut p = [0.0; 3];
     for c in &mut p {
         let word = words.next().ok_or_else(|| {
@@ -140,8 +143,8 @@ fn position<'a>(here: &Words, mut words: impl Iterator<Item = &'a [u8]>) -> Resu
     Ok(p)
 }
 
-/// Corners `v`, `v/vt`, `v//vn` or `v/vt/vn`; v counts from 1, or backwards from -1.
-fn face<'a>(
+/// Corners `v`, `v/vt`, `v//vn` or `v/vt/vn`; v counts from 1, or backwards from -1. Lines have them too.
+pub(super) fn face<'a>(
     here: &Words,
     words: impl Iterator<Item = &'a [u8]>,
     count: usize,

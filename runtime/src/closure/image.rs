@@ -10,6 +10,8 @@
 //! particle next to a concave edge gets 0.26 (0.28 to fill up a lattice), that in a corner 0.35 (0.39). And V is smooth where
 //! the distance isn't: at the ridge of a concave edge the closest point jumps, and along it a fluid shivers whose density
 //! follows the distance. Distance and normal don't matter here.
+//!
+//! In two dimensions all is the same with areas.
 
 use super::mirror::Mirror;
 use super::table::Table;
@@ -17,6 +19,7 @@ use super::{BoundaryDensity, plane};
 use crate::kernel::Kernel;
 use crate::query::Boundary;
 use glam::DVec3;
+use volmap_formats::asset::Dimension;
 
 /// The kernel's support radius over the maps'.
 pub(crate) const MAPS_PER_RADIUS: f64 = 4.0;
@@ -32,7 +35,7 @@ const DEEPEST: f64 = -1.0;
 /// F.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Image {
-    /// 1 / (support radius of the map)^3, and 1 / it.
+    /// 1 / (support radius of the map)^d, and 1 / it.
     per_volume: f64,
     per_radius: f64,
     /// Over u, the fourth root of V: F, and the slope of R_mirror over the distance. Both end as powers, u is where they are
@@ -47,10 +50,11 @@ impl Image {
     pub fn new(kernel: Kernel, particle_radius: f64) -> Image {
         let radius = kernel.support_radius();
         let map_radius = radius / MAPS_PER_RADIUS;
-        let mirror = Mirror::new(kernel.kind(), particle_radius / radius);
-        let high = plane::volume(DEEPEST)[0].sqrt().sqrt();
+        let (dimension, half_space) = (kernel.dimension(), half_space(kernel.dimension()));
+        let mirror = Mirror::new(kernel.kind(), dimension, particle_radius / radius);
+        let high = half_space(DEEPEST)[0].sqrt().sqrt();
         let step = high / INTERVALS as f64;
-        let nodes = nodes(&mirror, step);
+        let nodes = nodes(&mirror, half_space, step);
         let node = |u: f64| {
             let n = (u / step).round() as usize;
             let [value, slope, along] = nodes[n];
@@ -61,7 +65,7 @@ impl Image {
             [[value, slope.min(most)], [along, (above[2] - below[2]) / (2.0 * step)]]
         };
         Image {
-            per_volume: map_radius.powi(-3),
+            per_volume: map_radius.powi(-(dimension.count() as i32)),
             per_radius: 1.0 / map_radius,
             table: Table::new(0.0, high, INTERVALS, node),
             wide: Table::new(-0.5, 0.5, WIDE_INTERVALS, |d| {
@@ -97,17 +101,27 @@ fn wide_volume(d: f64) -> [[f64; 2]; 1] {
     [[volume * step, slope * step + volume * fall]]
 }
 
+/// Volume and slope over the distance.
+type HalfSpace = fn(f64) -> [f64; 2];
+
+fn half_space(dimension: Dimension) -> HalfSpace {
+    match dimension {
+        Dimension::Two => plane::area,
+        Dimension::Three => plane::volume,
+    }
+}
+
 /// F, dF/du and the slope of R_mirror over the distance (in the map's support radius) at equal steps of u.
-fn nodes(mirror: &Mirror, step: f64) -> Vec<[f64; 3]> {
+fn nodes(mirror: &Mirror, half_space: HalfSpace, step: f64) -> Vec<[f64; 3]> {
     let mut distance = FARTHEST;
     let mut nodes = vec![[0.0; 3]];
     for n in 1..=INTERVALS {
         let root = step * n as f64;
-        distance = distance_of(root.powi(4), distance);
+        distance = distance_of(half_space, root.powi(4), distance);
         let [value, slope] = mirror.density(distance / MAPS_PER_RADIUS);
         let along = slope / MAPS_PER_RADIUS;
         // dF/du = R' / V' dV/du; V' vanishes where the ball is full.
-        let slope = along / plane::volume(distance)[1].min(-f64::MIN_POSITIVE) * 4.0 * root.powi(3);
+        let slope = along / half_space(distance)[1].min(-f64::MIN_POSITIVE) * 4.0 * root.powi(3);
         nodes.push([value, slope, along]);
     }
     nodes
@@ -117,11 +131,11 @@ fn nodes(mirror: &Mirror, step: f64) -> Vec<[f64; 3]> {
 const SMALLEST: f64 = 2e-3;
 
 /// Where a flat wall has this volume, below `high`: bisection. Lengths in the map's support radius.
-fn distance_of(volume: f64, mut high: f64) -> f64 {
+fn distance_of(half_space: HalfSpace, volume: f64, mut high: f64) -> f64 {
     let mut low = DEEPEST;
     for _ in 0..48 {
         let middle = 0.5 * (low + high);
-        if plane::volume(middle)[0] > volume { low = middle } else { high = middle }
+        if half_space(middle)[0] > volume { low = middle } else { high = middle }
     }
     0.5 * (low + high)
 }

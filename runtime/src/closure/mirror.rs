@@ -6,6 +6,7 @@
 //! R_mirror(d)  = a sum over k = 0, 1, .. of W_1(2 d + k a),   W_1(z) = 2 pi integral from |z| to 1 of W(s) s ds
 //! R_mirror'(d) = -4 pi a sum of z W(z) at z = 2 d + k a
 //! ```
+//! (in two dimensions layers are lines, and W_1(z) = 2 integral of W(sqrt(z^2 + t^2)) dt from t = 0 on).
 //! At d = rp that is the density of the layers that a wall filled with more fluid would have. The image moves as the
 //! particle does, so the slope is twice that of a wall at rest: it holds the mirrored pressure of Akinci et al. 2012
 //! (Eq. 15 of Bender et al. 2020, the term with p~ = p_i), as the derivative of a density. So forces are conservative, and
@@ -16,11 +17,13 @@
 use super::quadrature::integrate_pieces;
 use crate::kernel::KernelKind;
 use std::f64::consts::PI;
+use volmap_formats::asset::Dimension;
 
 /// The image's density as a function of the distance; lengths in support radii.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Mirror {
     kernel: KernelKind,
+    dimension: Dimension,
     spacing: f64,
     /// Where it is steepest.
     steepest: f64,
@@ -31,9 +34,9 @@ const MOST_LAYERS: f64 = 64.0;
 
 impl Mirror {
     /// For particles of a radius > 0.
-    pub fn new(kernel: KernelKind, particle_radius: f64) -> Mirror {
+    pub fn new(kernel: KernelKind, dimension: Dimension, particle_radius: f64) -> Mirror {
         let spacing = (2.0 * particle_radius).max(1.0 / MOST_LAYERS);
-        let mut mirror = Mirror { kernel, spacing, steepest: 0.0 };
+        let mut mirror = Mirror { kernel, dimension, spacing, steepest: 0.0 };
         let places = (0..=1024).map(|n| f64::from(n) / 1024.0 * particle_radius);
         mirror.steepest = places
             .map(|d| (d, mirror.images(d)[1]))
@@ -53,15 +56,41 @@ impl Mirror {
         let mut sum = [0.0; 2];
         let mut z = 2.0 * d;
         while z < 1.0 {
-            sum[0] += self.spacing * sheet(self.kernel, z);
-            sum[1] -= 4.0 * PI * self.spacing * z * self.kernel.unit_value(z);
+            let [value, slope] = match self.dimension {
+                Dimension::Two => line(self.kernel, z),
+                Dimension::Three => sheet(self.kernel, z),
+            };
+            sum[0] += self.spacing * value;
+            sum[1] += 2.0 * self.spacing * slope;
             z += self.spacing;
         }
         sum
     }
 }
 
-/// W_1: the kernel integrated over a plane at distance z >= 0.
-fn sheet(kernel: KernelKind, z: f64) -> f64 {
-    2.0 * PI * integrate_pieces(&[0.5], z, 1.0, |s| kernel.unit_value(s) * s)
+/// W_1 and W_1': the kernel integrated over a plane at distance z >= 0.
+fn sheet(kernel: KernelKind, z: f64) -> [f64; 2] {
+    let value = 2.0 * PI * integrate_pieces(&[0.5], z, 1.0, |s| kernel.unit_value(s) * s);
+    [value, -2.0 * PI * z * kernel.unit_value(z)]
 }
+
+/// The same over a line in the plane. No polynomials, so in more pieces, with the kernel's break in their middle.
+fn line(kernel: KernelKind, z: f64) -> [f64; 2] {
+    let along = |s: f64| (s * s - z * z).max(0.0).sqrt();
+    let (middle, end) = (along(0.5), along(1.0));
+    let piece = |n: usize| {
+        let part = n as f64 / PIECES as f64;
+        if part <= 0.5 { 2.0 * part * middle } else { middle + (2.0 * part - 1.0) * (end - middle) }
+    };
+    let pieces: [f64; PIECES + 1] = std::array::from_fn(piece);
+    let over =
+        |f: &dyn Fn(f64) -> f64| 2.0 * kernel.plane_thickness() * integrate_pieces(&pieces, 0.0, end, f);
+    let distance = |t: f64| z.hypot(t).max(f64::MIN_POSITIVE);
+    [
+        over(&|t| kernel.unit_value(distance(t))),
+        over(&|t| kernel.unit_derivative(distance(t)) * z / distance(t)),
+    ]
+}
+
+/// Of a line's integral.
+const PIECES: usize = 16;

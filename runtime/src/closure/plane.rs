@@ -39,6 +39,28 @@ pub(crate) fn volume(d: f64) -> [f64; 2] {
     [solid + over_ball(extension), over_ball(extension_slope)]
 }
 
+/// The same of the half plane in two dimensions: V(d) = 2 integral from -1 to 1 of (1 - z^2)^(1/2) g(d + z) dz, in the angle
+/// whose sine is z.
+pub(crate) fn area(d: f64) -> [f64; 2] {
+    let angle = |z: f64| z.clamp(-1.0, 1.0).asin();
+    let breaks = [-d, 0.5 - d, 1.0 - d].map(angle);
+    let over = |f: fn(f64) -> f64| {
+        let term = |t: f64| 2.0 * t.cos().powi(2) * f(d + t.sin());
+        breaks.windows(2).map(|ends| integrate_finely(ends[0], ends[1], term)).sum::<f64>()
+    };
+    // Of the segment that is all solid.
+    let solid = breaks[0];
+    let full = solid + 0.5 * PI + solid.sin() * solid.cos();
+    [full + over(extension), over(extension_slope)]
+}
+
+/// The integral of what is smooth but no polynomial.
+fn integrate_finely(low: f64, high: f64, f: impl Fn(f64) -> f64) -> f64 {
+    const PARTS: usize = 4;
+    let at = |n: usize| low + (high - low) * n as f64 / PARTS as f64;
+    (0..PARTS).map(|n| integrate(at(n), at(n + 1), &f)).sum()
+}
+
 /// beta; 0 where curvature no longer matters, deep inside.
 pub(crate) fn exponent(kernel: KernelKind, d: f64) -> f64 {
     let depth = d.abs();

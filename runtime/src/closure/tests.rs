@@ -1,7 +1,7 @@
 //! Closures against closed forms.
 
 use super::*;
-use crate::KernelKind;
+use crate::{Dimension, KernelKind};
 
 const RADIUS: f64 = 0.1;
 const PARTICLE: f64 = 0.025;
@@ -282,7 +282,7 @@ fn mirror_is_the_images_density_at_a_flat_wall() {
     for kind in KernelKind::ALL {
         for particle in [0.02, PARTICLE, 0.04] {
             let closure = Closure::new(ClosureKind::Mirror, kernel(kind), particle);
-            let mirror = mirror::Mirror::new(kind, particle / RADIUS);
+            let mirror = mirror::Mirror::new(kind, Dimension::Three, particle / RADIUS);
             let map_radius = ClosureKind::Mirror.map_radius(RADIUS);
             for d in distances(-0.12, 0.49) {
                 let (boundary, position) = wall_for(ClosureKind::Mirror, d * RADIUS);
@@ -340,4 +340,57 @@ fn mirror_knows_a_flat_walls_wide_volume() {
     assert!(closure.volume(&wall_for(ClosureKind::Mirror, 0.0499 * RADIUS * 10.0).0) < 1e-7);
     let wedge = Closure::new(ClosureKind::Wedge, kernel(KernelKind::CubicSpline), PARTICLE);
     assert_eq!(wedge.volume(&wall(0.02).0), wall(0.02).0.volume);
+}
+
+#[test]
+fn half_plane_area_is_its_integral() {
+    let disc = std::f64::consts::PI;
+    assert!((plane::area(-1.5)[0] - disc).abs() < 1e-14 && plane::area(-1.5)[1] == 0.0);
+    assert!((plane::area(2.5)[0]).abs() < 1e-14);
+    for d in distances(-2.0, 2.2).step_by(10) {
+        const STEPS: u32 = 2_000;
+        let strip = |n: u32| {
+            let t = disc * ((f64::from(n) + 0.5) / f64::from(STEPS) - 0.5);
+            2.0 * t.cos().powi(2) * plane::extension(d + t.sin())
+        };
+        let slow = (0..STEPS).map(strip).sum::<f64>() * disc / f64::from(STEPS);
+        assert!((plane::area(d)[0] - slow).abs() < 1e-6, "{d}: {} {slow}", plane::area(d)[0]);
+        let difference = (plane::area(d + 1e-6)[0] - plane::area(d - 1e-6)[0]) / 2e-6;
+        assert!((plane::area(d)[1] - difference).abs() < 1e-6, "{d}");
+    }
+}
+
+/// The image of lines of particles in the plane: the kernel summed along them, and its slope.
+#[test]
+fn image_in_the_plane_is_the_sum_over_lines() {
+    for kind in KernelKind::ALL {
+        let kernel = Kernel::in_plane(kind, RADIUS);
+        let closure = Closure::new(ClosureKind::Mirror, kernel, PARTICLE);
+        let map_radius = ClosureKind::Mirror.map_radius(RADIUS);
+        let images = |d: f64| {
+            const STEPS: i32 = 4_000;
+            let along = |n: i32| 1.2 * RADIUS * f64::from(n) / f64::from(STEPS);
+            let line = |z: f64| {
+                let sum: f64 = (-STEPS..=STEPS).map(|n| kernel.value(z.hypot(along(n)))).sum();
+                2.0 * PARTICLE * sum * 1.2 * RADIUS / f64::from(STEPS)
+            };
+            (0..2).map(|layer| line(2.0 * d + 2.0 * PARTICLE * f64::from(layer))).sum::<f64>()
+        };
+        for part in [0.6, 0.8, 1.0, 1.3, 1.6] {
+            let d = part * PARTICLE;
+            let [area, slope] = plane::area(d / map_radius);
+            let (volume, slope) = (area * map_radius * map_radius, slope * map_radius);
+            let boundary = Boundary { distance: d, normal: DVec3::Y, closest_point: DVec3::ZERO, volume };
+            let found = closure.density_with_gradient(&boundary, slope * DVec3::Y, d * DVec3::Y).unwrap();
+            let exact = images(d);
+            assert!(
+                (found.density - exact).abs() < 2e-3 * exact + 1e-5,
+                "{kind} at {part}: {} {exact}",
+                found.density
+            );
+            let slope = (images(d + 1e-5) - images(d - 1e-5)) / 2e-5;
+            let error = (found.gradient - slope * DVec3::Y).length();
+            assert!(error < 0.02 * slope.abs() + 0.02, "{kind} at {part}: {} {slope}", found.gradient);
+        }
+    }
 }

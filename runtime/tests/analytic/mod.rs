@@ -3,7 +3,7 @@
 #![allow(dead_code)]
 
 use volmap_formats::asset::{
-    Array, Asset, Attributes, CellRun, DensityField, Exterior, GridSpec, QuadratureSpec, Rounded,
+    Array, Asset, Attributes, CellRun, DensityField, Dimension, Exterior, GridSpec, QuadratureSpec, Rounded,
 };
 use volmap_runtime::serendipity::shape_and_gradient;
 use volmap_runtime::{Boundary, Cell, CellIndex, DVec3, Density, Family, Grid, Nodes, Sample};
@@ -46,6 +46,7 @@ pub fn asset(
         }
     }
     Asset {
+        dimension: Dimension::Three,
         grid,
         support_radius: 0.1,
         exterior: Exterior::Fluid,

@@ -12,7 +12,7 @@ use std::sync::Arc;
 use volmap_baker::export::{ExportSettings, lattice::LatticeChoice, surface::surface_of_map};
 use volmap_formats::asset::Exterior;
 use volmap_formats::mesh::{TriangleMesh, guard};
-use volmap_runtime::{DVec3, VolumeMap};
+use volmap_runtime::{DVec3, Dimension, VolumeMap};
 
 /// A hull that is larger than the body by this part of it is the body.
 const CONVEX: f64 = 0.01;
@@ -65,6 +65,9 @@ fn turned(mesh: &TriangleMesh) -> TriangleMesh {
 
 /// The surface of the map, from the corners of its cells.
 fn mesh_of_map(map: &VolumeMap) -> Result<TriangleMesh, String> {
+    if map.dimension() == Dimension::Two {
+        return Err("its map is in two dimensions; give it a mesh to touch other bodies with".into());
+    }
     let resolution = LatticeChoice::Resolution(map.grid().resolution.to_array());
     let settings = ExportSettings { lattice: Some(resolution), ..ExportSettings::default() };
     let surface = surface_of_map(map, &settings).map_err(|error| error.to_string())?;

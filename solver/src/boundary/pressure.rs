@@ -342,7 +342,7 @@ impl<'a> WallPressure<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use volmap_runtime::KernelKind;
+    use volmap_runtime::{Dimension, KernelKind};
 
     const RADIUS: f64 = 0.1;
 
@@ -357,8 +357,12 @@ mod tests {
         cells.sort(at, RADIUS, &mut order);
         let positions: Vec<DVec3> = order.iter().map(|&old| at[old as usize]).collect();
         let densities: Vec<f32> = (0..at.len()).map(|n| 0.9 + 0.02 * (n % 10) as f32).collect();
-        let with =
-            Discretization { kernel: KernelKind::CubicSpline, support_radius: RADIUS, volume: 1.25e-4 };
+        let with = Discretization {
+            kernel: KernelKind::CubicSpline,
+            support_radius: RADIUS,
+            volume: 1.25e-4,
+            dimension: Dimension::Three,
+        };
         let gravity = DVec3::new(0.0, -10.0, 0.0);
         let fluid = Fluid { cells: &cells, positions: &positions, densities: &densities, with, gravity };
         let mut chunk = Chunk::default();

@@ -6,9 +6,6 @@ use super::lanes::{Lanes, Quad};
 use super::{Difference, KernelWork, Pairs, add_scaled, dot, splat, sums};
 use crate::neighbours::Lists;
 
-/// 2 (d + 2) in three dimensions.
-pub(super) const FACTOR: f32 = 10.0;
-
 /// What is added to the square of a distance in support radii, 0.01 h^2 of Eq. 16.
 pub(super) const SMALL: f32 = 0.01;
 

@@ -170,7 +170,7 @@ pub(super) fn solver(at: &At, solver: &SolverSettings) -> Checked {
 
 /// Whether explicit viscosity is stable in the smallest step that may be taken.
 pub(super) fn viscosity(at: &At, fluid: &FluidSettings, solver: &SolverSettings, world: &World) -> Checked {
-    let limit = viscous_limit(fluid, world.kernel, world.support_radius);
+    let limit = viscous_limit(fluid, world);
     let step = &solver.time_step;
     let (key, least) = if step.adaptive { ("min", step.min) } else { ("initial", step.initial) };
     at.require("viscosity", least <= limit, || {

@@ -13,7 +13,7 @@ use volmap_baker::input::{self, Input, InputSettings};
 use volmap_baker::plan::{GridChoice, Settings};
 use volmap_formats::asset::{self, Compression, Exterior, FORMAT_VERSION};
 use volmap_formats::mesh::{Placement, TriangleMesh, UpAxis};
-use volmap_runtime::{ClosureKind, KernelKind, VolumeMap};
+use volmap_runtime::{ClosureKind, Dimension, KernelKind, VolumeMap};
 
 /// Part by which a map's support radius may differ from the scene's: other programs store it in single
 /// precision.
@@ -272,6 +272,10 @@ fn open_asset(path: &Path) -> Result<Shape, Error> {
     let content = *blake3::hash(&bytes).as_bytes();
     let in_file = |source| volmap_runtime::Error::InFile { path: path.to_owned(), source: Box::new(source) };
     let map = VolumeMap::from_bytes(bytes).map_err(in_file)?;
+    if map.dimension() == Dimension::Two {
+        let reason = "it is a map in two dimensions, and scenes are in three; bake a mesh: volmap bake MESH";
+        return Err(Error::Scene { place: path.display().to_string(), reason: reason.into() });
+    }
     Ok(Shape { map: Arc::new(map), mesh: None, origin: Origin::Asset, content })
 }
 

@@ -7,7 +7,7 @@ use crate::neighbours::tests::{Arranged, arrange, random, random_points};
 use crate::settings::{FluidSettings, ViscositySolveSettings, World};
 use crate::validation::shapes::{Shape, baked, cuboid};
 use nalgebra::{DMatrix, DVector};
-use volmap_runtime::{Closure, ClosureKind, DQuat, Kernel, KernelKind, Pose, Sample};
+use volmap_runtime::{Closure, ClosureKind, DQuat, Dimension, Kernel, KernelKind, Pose, Sample};
 
 const RADIUS: f64 = 0.1;
 const VOLUME: f64 = 1.25e-4;
@@ -74,7 +74,7 @@ fn world() -> World {
 }
 
 fn with() -> Discretization {
-    Discretization { kernel: KIND, support_radius: RADIUS, volume: VOLUME }
+    Discretization { kernel: KIND, support_radius: RADIUS, volume: VOLUME, dimension: Dimension::Three }
 }
 
 /// One quad for each particle, and one at rest.

@@ -1,0 +1,56 @@
+//! `volmap bake-outline`.
+
+use super::bake::exit_between_writes;
+use crate::args::outline::OutlineArguments;
+use crate::is_same_file;
+use anyhow::{Result, bail};
+use std::io::{self, Write};
+use std::sync::PoisonError;
+use volmap_baker::area_map::outline::bake_file;
+use volmap_baker::info;
+use volmap_baker::summary::{bytes, thousands};
+use volmap_formats::asset::{self, Asset, Value};
+
+/// Bakes an outline and says what came of it.
+pub fn run_bake_outline(arguments: &OutlineArguments) -> Result<()> {
+    let output = arguments.output();
+    if is_same_file(&arguments.outline, &output) {
+        bail!("{}: would overwrite the outline; name another file with --output", output.display());
+    }
+    asset::check_target(&output)?;
+    if let Some(threads) = arguments.threads {
+        rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
+    }
+    let writing = exit_between_writes()?;
+    let baked = bake_file(&arguments.outline, arguments.placement(), &arguments.settings())?;
+    {
+        let mut written = writing.lock().unwrap_or_else(PoisonError::into_inner);
+        asset::write(&output, &baked, arguments.compression())?;
+        *written = true;
+    }
+    let file_bytes = std::fs::metadata(&output)?.len();
+    let mut out = io::stdout().lock();
+    if arguments.json {
+        writeln!(out, "{:#}", info::to_json(&baked, file_bytes))?;
+    } else if !arguments.quiet {
+        write!(out, "{}", summary(&baked))?;
+        writeln!(out, "asset      {} ({})", output.display(), bytes(file_bytes))?;
+    }
+    Ok(())
+}
+
+fn summary(asset: &Asset) -> String {
+    let [x, y, _] = asset.grid.resolution;
+    let [width, height, _] = asset.grid.cell_size;
+    let cells: u64 = asset.band_cells.iter().map(|run| u64::from(run.len)).sum();
+    let mut out = format!(
+        "support    {} m\ngrid       {x} x {y} cells of {width:.4} x {height:.4} m\nband       {} cells, {} nodes\n",
+        asset.support_radius,
+        thousands(cells),
+        thousands(asset.volume.len() as u64),
+    );
+    if let Some(Value::Text(warnings)) = asset.diagnosis.get("warnings") {
+        warnings.lines().for_each(|line| out += &format!("warning    {line}\n"));
+    }
+    out
+}
