@@ -120,9 +120,9 @@ fn mirror_fills_edges_and_corners() {
     let particle = 1.0;
     let kernel = Kernel::new(KernelKind::CubicSpline, 4.0);
     let mirror = Closure::new(ClosureKind::Mirror, kernel, particle);
-    let walls: [(usize, &dyn Fn(DVec3) -> f64, f64); 3] =
-        [(1, &|x| x.z, 2e-3), (2, &|x| x.y.min(x.z), 0.025), (3, &|x| x.x.min(x.y).min(x.z), 0.035)];
-    for (count, phi, slack) in walls {
+    for (count, slack) in [(1, 2e-3), (2, 0.025), (3, 0.045)] {
+        // Walls in the last `count` axes.
+        let phi = |x: DVec3| x.to_array()[3 - count..].iter().copied().fold(f64::INFINITY, f64::min);
         let x = particle * DVec3::ONE;
         let (_, volume) = integrate(&phi, &Kernel::new(KernelKind::CubicSpline, 1.0), x, STEPS);
         let wall = mirror.density(&boundary(&phi, x, volume), x).unwrap().density;

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use tempfile::TempDir;
-use volmap_runtime::DVec3;
+use volmap_runtime::{ClosureKind, DVec3};
 use volmap_solver::scene::map::Origin;
 use volmap_solver::scene::{
     Bake, Block, Body, Fill, PerAxis, Prepared, Region, Rotation, Scene, load, prepare,
@@ -23,7 +23,9 @@ fn body(bake: Bake) -> Body {
 }
 
 fn scene(cache: &TempDir) -> Scene {
-    Scene { cache: Some(cache.path().join("maps")), ..Scene::default() }
+    // Of maps that are quickly baked.
+    let closure = Some(ClosureKind::Calibrated);
+    Scene { cache: Some(cache.path().join("maps")), closure, ..Scene::default() }
 }
 
 fn run(scene: &Scene) -> Result<Prepared, String> {
@@ -204,7 +206,7 @@ fn maps_of_another_radius_are_refused_for_bodies_and_taken_for_fills() {
     let from_map = Body { map: Some(file.clone()), ..Body::default() };
     let half = Scene { particle_radius: 0.0125, ..scene(&folder) };
     let error = run(&Scene { bodies: vec![from_map.clone()], blocks, ..half.clone() }).unwrap_err();
-    for part in ["bodies[0].map", "0.025 m", "`mirror`", "0.0125 m", "--support-radius 0.0125", "--invert"] {
+    for part in ["bodies[0].map", "0.1 m", "`calibrated`", "0.05 m", "--support-radius 0.05", "--invert"] {
         assert!(error.contains(part), "{part}: {error}");
     }
     let fills = vec![Fill {

@@ -101,7 +101,7 @@ fn decay(wave: DVec3, direction: DVec3) -> f64 {
     let dt = 8.0 * RADIUS * RADIUS / (120.0 * viscosity);
     setup.solver.time_step.adaptive = false;
     setup.solver.time_step.initial = dt;
-    let mut simulation = Simulation::new(setup);
+    let mut simulation = Simulation::new(setup).unwrap();
     let count = 6;
     steps(&mut simulation, count);
     // Far from the surface, where neighbours are missing.
@@ -144,7 +144,7 @@ fn between_plates(mut setup: Setup, layers: u32, dt: f64, count: u32) -> (Vec<[f
     fill(&mut setup, &block(DVec3::new(-15.0, 0.0, -9.0) * SPACING, [30, layers, 18]), |_| DVec3::ZERO);
     setup.solver.time_step.adaptive = false;
     setup.solver.time_step.initial = dt;
-    let mut simulation = Simulation::new(setup);
+    let mut simulation = Simulation::new(setup).unwrap();
     steps(&mut simulation, count);
     let mut profile = vec![[0.0; 2]; layers as usize];
     let mut number = vec![0.0; layers as usize];
@@ -229,7 +229,7 @@ fn a_stiff_block_keeps_its_momenta() {
     fill(&mut setup, &block(DVec3::ZERO, [10, 9, 8]), |x| {
         DVec3::new(1.0, 0.5, 0.0) + spin.cross(x) + stir(x)
     });
-    let mut simulation = Simulation::new(setup);
+    let mut simulation = Simulation::new(setup).unwrap();
     let [momentum, angular] = momenta(&simulation);
     let stirred = away(&simulation);
     let (before, mut energy) = (centre(&simulation), kinetic_energy(&simulation));
@@ -266,7 +266,7 @@ fn fall(viscosity: f64, friction: f64) -> f64 {
     setup.solver.density.enabled = true;
     setup.solver.divergence.enabled = true;
     fill(&mut setup, &block(DVec3::new(0.0, 0.0, -0.2), [3, 8, 8]), |_| DVec3::ZERO);
-    let mut simulation = Simulation::new(setup);
+    let mut simulation = Simulation::new(setup).unwrap();
     let start = centre(&simulation);
     while simulation.time() < 0.2 {
         simulation.step().unwrap();
@@ -296,7 +296,7 @@ fn tangential_friction_slows_as_its_closed_form_says() {
     fill(&mut setup, &places, |_| DVec3::new(0.01, 0.0, -0.02));
     setup.solver.time_step.adaptive = false;
     setup.solver.time_step.initial = 2e-3;
-    let mut simulation = Simulation::new(setup);
+    let mut simulation = Simulation::new(setup).unwrap();
     steps(&mut simulation, 20);
     let lost = 1.0 + 2e-3 * friction * half_space_rate(height);
     for v in velocities(&simulation) {
@@ -337,7 +337,7 @@ fn the_way_slid_falls_with_the_coefficient() {
         setup.solver.density.enabled = true;
         setup.solver.divergence.enabled = true;
         fill(&mut setup, &block(DVec3::new(-0.8, 0.0, -0.1), [4, 4, 4]), |_| 2.0 * DVec3::X);
-        let mut simulation = Simulation::new(setup);
+        let mut simulation = Simulation::new(setup).unwrap();
         let start = centre(&simulation);
         while simulation.time() < 0.3 {
             simulation.step().unwrap();
@@ -377,7 +377,7 @@ fn fluid_and_free_body_keep_their_momentum() {
             setup.fluid.viscosity = 0.05;
         }
         fill(&mut setup, &block(DVec3::ZERO, [8, 11, 10]), |_| DVec3::X);
-        let mut simulation = Simulation::new(setup);
+        let mut simulation = Simulation::new(setup).unwrap();
         let state = |simulation: &Simulation| {
             let ([momentum, angular], body) = (momenta(simulation), simulation.bodies().totals());
             let energy = kinetic_energy(simulation) + body.kinetic_energy;

@@ -7,7 +7,7 @@
 //! R_mirror(d) = F(V_plane(d)),   rho_B = rho_0 F(V),   grad rho_B = rho_0 F'(V) grad V
 //! ```
 //! V is a sum over the solid, and so F(V) is, nearly, the image's density wherever walls meet as well: at r = 4 rp the
-//! particle next to a concave edge gets 0.26 (0.28 to fill up a lattice), that in a corner 0.36 (0.39). And V is smooth where
+//! particle next to a concave edge gets 0.26 (0.28 to fill up a lattice), that in a corner 0.35 (0.39). And V is smooth where
 //! the distance isn't: at the ridge of a concave edge the closest point jumps, and along it a fluid shivers whose density
 //! follows the distance. Distance and normal don't matter here.
 //!

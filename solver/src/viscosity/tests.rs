@@ -4,7 +4,7 @@
 use super::*;
 use crate::bodies::{BodyDescription, FluidContact, FreeBody, Motion, Weight};
 use crate::neighbours::tests::{Arranged, arrange, random, random_points};
-use crate::settings::ViscositySolveSettings;
+use crate::settings::{FluidSettings, ViscositySolveSettings, World};
 use crate::validation::shapes::{Shape, baked, cuboid};
 use nalgebra::{DMatrix, DVector};
 use volmap_runtime::{Closure, ClosureKind, DQuat, Dimension, Kernel, KernelKind, Pose, Sample};
@@ -61,13 +61,16 @@ fn scene(shape: &Shape, locked: bool, count: usize) -> Scene {
     let cloud: Vec<DVec3> =
         random_points(60 * count, 0.55, 5).into_iter().map(|x| x - 0.3).filter(outside).take(count).collect();
     let Arranged { positions, mut fields, mut neighbours } = arrange(&cloud, RADIUS);
-    let mut boundary = Boundary::default();
-    let closure = Closure::new(ClosureKind::Mirror, Kernel::new(KIND, RADIUS), 0.25 * RADIUS);
-    boundary.sample(&bodies, &closure, &positions);
+    let mut boundary = Boundary::new(&world(), &FluidSettings::default(), &bodies).unwrap();
+    boundary.sample(&bodies, &positions);
     fields.compute_density(with(), &mut neighbours, &boundary);
     let last = positions.len();
     fields.velocities = field(last, 7);
     Scene { positions, fields, neighbours, boundary, bodies }
+}
+
+fn world() -> World {
+    World { particle_radius: 0.25 * RADIUS, support_radius: RADIUS, kernel: KIND, ..World::default() }
 }
 
 fn with() -> Discretization {
@@ -122,6 +125,7 @@ impl Scene {
             let slope = x.normalize_or_zero() * kernel.derivative(x.length());
             10.0 * volume * apart.dot(x) / (x.length_squared() + 0.01 * RADIUS * RADIUS) * slope
         };
+        let closure = Closure::new(ClosureKind::Mirror, kernel, 0.25 * RADIUS);
         let (mut out, mut pushes) = (Vec::new(), [DVec3::ZERO; 2]);
         for (i, x) in self.positions.iter().enumerate() {
             let mut sum = DVec3::ZERO;
@@ -132,6 +136,7 @@ impl Scene {
                 let Sample::Near(near) = map.sample(*x) else { continue };
                 let [sticks, rubs] =
                     [self.bodies.fluid_contact(at).viscosity, self.bodies.fluid_contact(at).friction];
+                let volume = closure.volume(&near);
                 let t = near.normal.any_orthonormal_vector();
                 let [linear, angular] = if at == 0 { body } else { [DVec3::ZERO; 2] };
                 let arm = |x: DVec3| x - self.bodies.center_of_mass(at);
@@ -140,8 +145,8 @@ impl Scene {
                     let apart = velocities[i] - linear - angular.cross(arm(point));
                     // Friction sees the body's velocity continued to the particle.
                     let slip = (velocities[i] - linear - angular.cross(arm(*x))).reject_from(near.normal);
-                    let force = sticks * term(*x - point, apart, 0.25 * near.volume)
-                        + rubs * term(*x - point, slip, 0.25 * near.volume);
+                    let force = sticks * term(*x - point, apart, 0.25 * volume)
+                        + rubs * term(*x - point, slip, 0.25 * volume);
                     sum += force;
                     if at == 0 {
                         pushes = [pushes[0] - force, pushes[1] - arm(point).cross(force)];
@@ -182,9 +187,9 @@ impl Scene {
 fn the_solve_is_that_of_the_dense_matrix() {
     let shape = shape();
     for locked in [false, true] {
-        let scene = scene(&shape, locked, 60);
+        let scene = scene(&shape, locked, 200);
         let touching = |body: u32| scene.boundary.drags().filter(|drag| drag.body == body).count();
-        assert!(touching(0) > 10 && touching(1) > 1, "{} {}", touching(0), touching(1));
+        assert!(touching(0) > 6 && touching(1) > 3, "{} {}", touching(0), touching(1));
         let exact = scene.dense_solution();
         let (report, velocities, forces) = scene.solve(&EXACTLY);
         assert!(report.error <= EXACTLY.max_error && report.iterations > 3, "{report:?}");
@@ -267,11 +272,7 @@ fn nothing_that_moves_is_solved_at_once() {
     let mut scene = scene(&shape(), false, 50);
     scene.fields.velocities.fill([0.0; 4]);
     scene.bodies = Bodies::new(Vec::new(), DVec3::ZERO).unwrap();
-    scene.boundary.sample(
-        &scene.bodies,
-        &Closure::new(ClosureKind::Mirror, Kernel::new(KIND, RADIUS), 0.25 * RADIUS),
-        &scene.positions,
-    );
+    scene.boundary.sample(&scene.bodies, &scene.positions);
     let (report, velocities, _) = scene.solve(&ViscositySolveSettings::default());
     assert_eq!((report.iterations, report.error), (0, 0.0));
     assert!(velocities.iter().all(|v| *v == DVec3::ZERO));
