@@ -4,7 +4,16 @@
 //! Divergence-free and Viscous SPH Fluids*. METHODS.md of this crate tells what comes of them. They are made as those of
 //! [`crate::validation`]; a row has the paper's figure where it gives one.
 
+pub mod boundaries;
+pub mod friction;
+pub mod incline;
+pub mod puck;
+pub mod rigid;
+pub mod sticky;
+pub mod table1;
+
 use crate::validation::Experiment;
 
 /// All of them.
-pub const EXPERIMENTS: &[Experiment] = &[];
+pub const EXPERIMENTS: &[Experiment] =
+    &[incline::EXPERIMENT, puck::EXPERIMENT, sticky::EXPERIMENT, friction::EXPERIMENT, table1::EXPERIMENT];

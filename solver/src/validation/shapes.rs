@@ -53,18 +53,28 @@ pub fn baked_finely(
     cell_size: f64,
     container: bool,
 ) -> Result<Shape, Error> {
+    baked_as(
+        mesh,
+        Settings {
+            support_radius: Some(support_radius),
+            grid: GridChoice::CellSize(cell_size),
+            invert: container,
+            ..Settings::default()
+        },
+    )
+}
+
+/// The same with all that a map may be told.
+///
+/// # Errors
+/// As [`bake`].
+pub fn baked_as(mesh: TriangleMesh, map: Settings) -> Result<Shape, Error> {
     let input = Input {
         mesh: mesh.clone(),
         source: Source { file: "made".into(), format: "none".into(), blake3: String::new() },
         cleaning: CleanReport::default(),
         placement: Placement::default(),
         weld_tolerance: 0.0,
-    };
-    let map = Settings {
-        support_radius: Some(support_radius),
-        grid: GridChoice::CellSize(cell_size),
-        invert: container,
-        ..Settings::default()
     };
     let settings = BakeSettings { map, ..BakeSettings::default() };
     let asset = bake(input, &settings, &mut |_| (), &mut |_| ())?.asset;
