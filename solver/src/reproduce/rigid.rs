@@ -53,9 +53,14 @@ impl Rigid {
     /// A step of the simulation, whose fluid is the body.
     ///
     /// # Errors
-    /// As [`Simulation::step`].
+    /// As [`Simulation::step`], and if particles left the domain.
     pub fn step(&mut self, simulation: &mut Simulation) -> Result<StepReport, Error> {
         let report = simulation.step()?;
+        if simulation.particles().len() != self.offsets.len() {
+            let (step, time) = (simulation.steps(), simulation.time());
+            let reason = "particles of a rigid body left the domain".into();
+            return Err(Error::Simulation { step, time, reason });
+        }
         let [mut push, mut turn] = [DVec3::ZERO; 2];
         let particles = &mut simulation.particles;
         for (velocity, &id) in particles.velocities.iter().zip(&particles.ids) {

@@ -61,8 +61,8 @@ type Scene = fn(&Run, f64) -> Result<Held, Error>;
 struct Held {
     /// Of the fluid at each time.
     points: Vec<[f64; 2]>,
-    /// How far the centre of what isn't gone has fallen, metres.
-    fall: f64,
+    /// How far the centre of what isn't gone has fallen, metres; none if all is gone.
+    fall: Option<f64>,
     /// Mean speed of the fluid over the body's when that is the fastest; none where it rests.
     carried: Option<f64>,
     /// Particles found in the body, mean of steps, and the deepest, metres.
@@ -77,7 +77,9 @@ impl Held {
         let rows = &mut outcome.rows;
         let last = self.points.last().map_or(f64::NAN, |point| point[1]);
         rows.push(Row::new(case, "part of the fluid that is held at the end", "", last));
-        rows.push(Row::new(case, "fall of the fluid's centre", "cm", 1e2 * self.fall));
+        if let Some(fall) = self.fall {
+            rows.push(Row::new(case, "fall of the fluid's centre", "cm", 1e2 * fall));
+        }
         if let Some(carried) = self.carried {
             rows.push(Row::new(case, "mean speed of the fluid over the ball's, half-way", "", carried));
         }
@@ -157,7 +159,8 @@ fn hold(
     })?;
     let steps = held.points.len() as f64;
     (held.inside, held.iterations) = (held.inside / steps, held.iterations / steps);
-    held.fall = (start - centre(&simulation)).y;
+    let is_gone = simulation.particles().is_empty();
+    held.fall = (!is_gone).then(|| (start - centre(&simulation)).y);
     Ok(held)
 }
 
