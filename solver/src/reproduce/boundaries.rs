@@ -70,11 +70,24 @@ impl Method {
     /// As [`volmap_baker::bake::bake`].
     pub fn baked(&self, mesh: TriangleMesh, particle_radius: f64, container: bool) -> Result<Shape, Error> {
         let world = self.world(particle_radius);
-        let closure = world.map_closure();
+        self.baked_with_cells(mesh, &world, cell_size(world.map_closure(), world.support_radius), container)
+    }
+
+    /// The same of cells of another size, metres, for a world of this method.
+    ///
+    /// # Errors
+    /// As [`volmap_baker::bake::bake`].
+    pub fn baked_with_cells(
+        &self,
+        mesh: TriangleMesh,
+        world: &World,
+        cell_size: f64,
+        container: bool,
+    ) -> Result<Shape, Error> {
         let density = DensitySettings { extension: density_map::EXTENSION, ..DensitySettings::default() };
         let settings = Settings {
-            support_radius: Some(closure.map_radius(world.support_radius)),
-            grid: GridChoice::CellSize(cell_size(closure, world.support_radius)),
+            support_radius: Some(world.map_closure().map_radius(world.support_radius)),
+            grid: GridChoice::CellSize(cell_size),
             invert: container,
             density: (self.boundary == BoundaryMethod::DensityMap).then_some(density),
             ..Settings::default()
