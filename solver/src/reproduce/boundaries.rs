@@ -8,7 +8,7 @@ use crate::scene::map::cell_size;
 use crate::settings::{BoundaryMethod, BoundaryPressure, FluidSettings, World};
 use crate::simulation::Setup;
 use crate::validation::flow::{GRAVITY, solver};
-use crate::validation::shapes::{Shape, baked_as};
+use crate::validation::shapes::{Shape, baked_by};
 use volmap_baker::density_map::DensitySettings;
 use volmap_baker::plan::{GridChoice, Settings};
 use volmap_formats::mesh::TriangleMesh;
@@ -92,7 +92,7 @@ impl Method {
             density: (self.boundary == BoundaryMethod::DensityMap).then_some(density),
             ..Settings::default()
         };
-        baked_as(mesh, settings)
+        baked_by(mesh, settings)
     }
 
     /// Inviscid fluid without particles yet, under gravity that falls along -y.
