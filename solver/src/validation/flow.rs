@@ -29,24 +29,28 @@ pub fn water(
     bodies: Vec<BodyDescription>,
 ) -> Result<Simulation, Error> {
     let gravity = DVec3::new(0.0, -GRAVITY, 0.0);
-    let mut solver = SolverSettings::default();
-    // As times of a body that falls by a particle's size.
-    let scale = (particle_radius / 0.025).sqrt();
-    let time_step = &mut solver.time_step;
-    time_step.initial *= scale;
-    time_step.max *= scale;
-    time_step.min = 1e-6;
     let mut particles = Particles::default();
     particles.add(places, &vec![[0.0; 3]; places.len()]);
     Simulation::new(Setup {
         world: World { particle_radius, support_radius: 4.0 * particle_radius, gravity, ..World::default() },
         fluid: FluidSettings { viscosity, ..FluidSettings::default() },
-        solver,
+        solver: solver(particle_radius),
         particles,
         emitters: Vec::new(),
         bodies: Bodies::new(bodies, gravity)?,
         domain: None,
     })
+}
+
+/// The default solver, with the times in which a body falls by a particle's size.
+pub fn solver(particle_radius: f64) -> SolverSettings {
+    let mut solver = SolverSettings::default();
+    let scale = (particle_radius / 0.025).sqrt();
+    let time_step = &mut solver.time_step;
+    time_step.initial *= scale;
+    time_step.max *= scale;
+    time_step.min = 1e-6;
+    solver
 }
 
 /// Volume of the part of a closed mesh that lies below a level, m^3: the flux of (0, y - level, 0) through its surface

@@ -21,7 +21,7 @@ pub const EXPERIMENT: Experiment = Experiment {
 };
 
 /// Width of the grid's bars, their thickness, and its holes, metres: those of `grid.obj` in the sample data.
-const BAR: f64 = 0.03;
+pub const BAR: f64 = 0.03;
 const HOLE: f64 = 0.078;
 
 fn run(run: &Run) -> Result<Outcome, Error> {
@@ -43,7 +43,7 @@ const NOTE: &str = "The grid is 3 cm thick, of bars 3 cm wide with holes of 7.8 
                     map says solid.";
 
 /// A grid of `count` by `count` holes around the origin: its bars as one closed mesh.
-fn bars(count: usize) -> TriangleMesh {
+pub fn bars(count: usize) -> TriangleMesh {
     let (pitch, half) = (BAR + HOLE, 0.5 * BAR);
     let width = count as f64 * pitch + BAR;
     let lines: Vec<f64> = (0..=count)
