@@ -4,7 +4,24 @@
 //! Divergence-free and Viscous SPH Fluids*. METHODS.md of this crate tells what comes of them. They are made as those of
 //! [`crate::validation`]; a row has the paper's figure where it gives one.
 
+pub mod band1;
+pub mod combinations;
+pub mod force;
+pub mod methods;
+pub mod prism;
+pub mod sphere;
+pub mod tubes;
+pub mod washing;
+
 use crate::validation::Experiment;
 
 /// All of them.
-pub const EXPERIMENTS: &[Experiment] = &[];
+#[rustfmt::skip]
+pub const EXPERIMENTS: &[Experiment] = &[
+    force::EXPERIMENT,
+    sphere::EXPERIMENT,
+    band1::EXPERIMENT,
+    washing::EXPERIMENT,
+    tubes::EXPERIMENT,
+    combinations::EXPERIMENT,
+];

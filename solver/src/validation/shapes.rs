@@ -5,7 +5,7 @@ use crate::error::Error;
 use crate::scene::map::cell_size;
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use volmap_baker::bake::{BakeSettings, bake};
+use volmap_baker::bake::{Bake, BakeSettings, bake};
 use volmap_baker::input::{Input, Source};
 use volmap_baker::plan::{GridChoice, Settings};
 use volmap_formats::mesh::{CleanReport, Placement, TriangleMesh};
@@ -53,22 +53,38 @@ pub fn baked_finely(
     cell_size: f64,
     container: bool,
 ) -> Result<Shape, Error> {
-    let input = Input {
-        mesh: mesh.clone(),
-        source: Source { file: "made".into(), format: "none".into(), blake3: String::new() },
-        cleaning: CleanReport::default(),
-        placement: Placement::default(),
-        weld_tolerance: 0.0,
-    };
     let map = Settings {
         support_radius: Some(support_radius),
         grid: GridChoice::CellSize(cell_size),
         invert: container,
         ..Settings::default()
     };
-    let settings = BakeSettings { map, ..BakeSettings::default() };
-    let asset = bake(input, &settings, &mut |_| (), &mut |_| ())?.asset;
+    baked_by(mesh, map)
+}
+
+/// The same by any settings of the baker.
+///
+/// # Errors
+/// As [`bake`].
+pub fn baked_by(mesh: TriangleMesh, map: Settings) -> Result<Shape, Error> {
+    let asset = bake_made(mesh.clone(), map)?.asset;
     Ok(Shape { mesh: Arc::new(mesh), map: Arc::new(VolumeMap::from_asset(&asset)?) })
+}
+
+/// All that the baker says of a mesh made in memory.
+///
+/// # Errors
+/// As [`bake`].
+pub fn bake_made(mesh: TriangleMesh, map: Settings) -> Result<Bake, Error> {
+    let input = Input {
+        mesh,
+        source: Source { file: "made".into(), format: "none".into(), blake3: String::new() },
+        cleaning: CleanReport::default(),
+        placement: Placement::default(),
+        weld_tolerance: 0.0,
+    };
+    let settings = BakeSettings { map, ..BakeSettings::default() };
+    Ok(bake(input, &settings, &mut |_| (), &mut |_| ())?)
 }
 
 /// A box between two corners.
