@@ -85,7 +85,9 @@ const NOTE: &str = "rp = 5 cm, r = 4 rp, nu = 0.01 m^2/s, steps of 2.8 ms at mos
                     walls. The largest stable step is that of the same fall in equal steps, 2 s, tried in ratios of 2^(1/4): nothing \
                     lost or deeper than rp in the wall at the end, less than 1 % of centres in the wall, no speed beyond twice that of a \
                     free fall from the top. The solver drives densities to its tolerance wherever they are too large: errors of \
-                    density tell of gaps. Times are medians on a machine that does other things as well.";
+                    density tell of gaps. Times are medians on a machine that does other things as well. \
+                    Numbers in the charts: closures 1 mirror, 2 lattice, 3 wedge, 4 calibrated, 5 offset, 6 paper; 7 density map, 8 tube \
+                    map, 9 particles.";
 
 fn views(run: &Run) -> Vec<Method> {
     let own = PRESSURES[0];
@@ -240,16 +242,12 @@ fn bars([title, unit]: [&str; 2], all: &[(Method, Rest)], value: impl Fn(&Rest) 
             data: Data::Bars(Vec::new()),
         })
         .collect();
-    let mut views: Vec<String> = Vec::new();
-    for (n, (method, rest)) in all.iter().enumerate() {
+    for (n, (_, rest)) in all.iter().enumerate() {
         let (group, place) = (n / PRESSURES.len(), n % PRESSURES.len());
-        if place == 0 {
-            views.push(format!("{} {}", group + 1, method.view().trim_start_matches("volume map, ")));
-        }
         let left = group as f64 + 0.6 + 0.2 * place as f64;
         if let Data::Bars(bars) = &mut series[place].data {
             bars.push([left, left + 0.18, value(rest)]);
         }
     }
-    chart(title, [&views.join(", "), ""], [title, unit], series)
+    chart(title, ["Method, by the numbers of the note", ""], [title, unit], series)
 }

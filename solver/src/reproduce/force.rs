@@ -23,8 +23,8 @@ pub const EXPERIMENT: Experiment = Experiment {
 /// Particle radius rp and the support radius, metres.
 const RADIUS: f64 = 0.025;
 const SUPPORT: f64 = 4.0 * RADIUS;
-/// Cells across the map.
-const RESOLUTIONS: [u32; 3] = [10, 20, 60];
+/// Cells across the map; none: as many as scenes have it baked with.
+const RESOLUTIONS: [Option<u32>; 4] = [Some(10), Some(20), Some(60), None];
 /// Places along a way.
 const SAMPLES: usize = 8000;
 
@@ -47,16 +47,17 @@ fn run(run: &Run) -> Result<Outcome, Error> {
     for method in methods() {
         let mut curves = [Vec::new(), Vec::new(), Vec::new()];
         for (n, cells) in RESOLUTIONS.into_iter().enumerate() {
-            if run.short && cells > 20 {
+            if run.short && cells.is_none_or(|cells| cells > 20) {
                 continue;
             }
-            (run.progress)(&format!("force: {}, {cells} cells", method.view()));
+            let grid = cells.map_or("as scenes".into(), |cells| format!("{cells} cells"));
+            (run.progress)(&format!("force: {}, {grid}", method.view()));
             let forces = forces(&method, cells)?;
             for ((way, curves), (along, forces)) in WAYS.iter().zip(&mut curves).zip(forces) {
-                let case = format!("{}, {cells}: {}", method.view(), way.0);
+                let case = format!("{}, {grid}: {}", method.view(), way.0);
                 outcome.rows.extend(rows(&case, &forces));
                 let points = along.iter().zip(&forces).map(|(&x, force)| [x / RADIUS, force.y]);
-                curves.push(thinned(format!("{cells} cells"), DISTINCT[n], points.collect()));
+                curves.push(thinned(grid.clone(), DISTINCT[n], points.collect()));
             }
         }
         let name = method.view().replace("volume map, ", "").replace(' ', "_");
@@ -76,13 +77,13 @@ fn run(run: &Run) -> Result<Outcome, Error> {
 const NOTE: &str = "The unit cube with r = 0.1 m. A particle of given pressure feels -2 p / rho_0 times the gradient of rho_B / rho_0 \
                     (Eq. 15 with the particle's pressure mirrored), so that gradient times r is what is shown. Cells are those of the \
                     map's whole box: cube and 2 support radii of the map around it; 10 cells are 1.4 r wide, `mirror`'s, whose \
-                    maps have a quarter of the radius, 1.1 r. A jump is what a step of 8,000 along the way changes more than both of its \
-                    neighbours. The edge has a jump of its own in the normal of any exact distance: none, as the way passes over it outside.";
+                    maps have a quarter of the radius, 1.1 r; scenes take r / 4, and for `mirror` r / 8. A jump is what a step of 8,000 along the way changes more than both of its \
+                    neighbours; the exact force has none on any of the ways. The force of `paper` falls to 0 at the face by itself.";
 
 /// Places along each way and forces there.
-fn forces(method: &Method, cells: u32) -> Result<Vec<(Vec<f64>, Vec<DVec3>)>, Error> {
+fn forces(method: &Method, cells: Option<u32>) -> Result<Vec<(Vec<f64>, Vec<DVec3>)>, Error> {
     let mut settings = method.baking(SUPPORT, false);
-    settings.grid = GridChoice::Resolution([cells; 3]);
+    settings.grid = cells.map_or(settings.grid, |cells| GridChoice::Resolution([cells; 3]));
     let cube = baked_by(cuboid(DVec3::new(-0.5, -1.0, -0.5), DVec3::new(0.5, 0.0, 0.5)), settings)?;
     let on_way = |(_, begin, end): &(&str, [f64; 3], [f64; 3])| {
         let (begin, end) = (DVec3::from(*begin), DVec3::from(*end));

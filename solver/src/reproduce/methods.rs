@@ -29,6 +29,9 @@ pub struct Method {
 pub const PRESSURES: [BoundaryPressure; 4] =
     [BoundaryPressure::Own, BoundaryPressure::Mirror, BoundaryPressure::Sph, BoundaryPressure::Mls];
 
+/// Fluid begins so many rp from walls, where no method throws it off: it rests at 2 rp from boundary particles.
+pub const CLEARANCE: f64 = 1.9;
+
 /// What a simulation consists of, but for the method.
 #[derive(Clone, Debug, Default)]
 pub struct Scenery {

@@ -1,7 +1,7 @@
 //! Water in a ball that turns: Band et al. 2018, Fig. 4. Boundaries without friction must not move it; what they do move, by
 //! pressures that don't fit, is artificial viscosity.
 
-use super::methods::{Method, Scenery, fixed_step, survives};
+use super::methods::{CLEARANCE, Method, Scenery, fixed_step, survives};
 use crate::bodies::{Motion, Path, Spin};
 use crate::error::Error;
 use crate::settings::{BoundaryMethod, BoundaryPressure, FluidSettings, SolverSettings};
@@ -91,7 +91,7 @@ fn turn(
     let spin = Spin { axis: DVec3::X, centre: DVec3::ZERO, speed: speed * PI / 30.0 };
     let motion = if speed == 0.0 { Motion::Static } else { Motion::Prescribed(Path::Spin(spin)) };
     let mut places = lattice(DVec3::splat(-RADIUS), DVec3::new(RADIUS, 0.0, RADIUS), radius);
-    places.retain(|x| x.length() < RADIUS - 0.9 * radius);
+    places.retain(|x| x.length() < RADIUS - CLEARANCE * radius);
     let mut simulation = method.simulation(&Scenery {
         radius,
         places,

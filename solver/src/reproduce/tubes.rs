@@ -11,6 +11,7 @@ use crate::validation::flow::{GRAVITY, lattice};
 use crate::validation::observe::rms_speed;
 use crate::validation::shapes::{Shape, bake_made, ball, cuboid};
 use crate::validation::{Experiment, Outcome, Row, Run, chart, curve};
+use std::ops::Range;
 use volmap_baker::picture::colours::{DISTINCT, INK};
 use volmap_baker::picture::{Data, Series};
 use volmap_formats::mesh::TriangleMesh;
@@ -44,14 +45,29 @@ const DISTANCES: [f64; 6] = [0.5, 1.0, 1.5, 2.0, 2.5, 3.0];
 
 fn run(run: &Run) -> Result<Outcome, Error> {
     let mut outcome = Outcome::default();
+    let mut errors = Vec::new();
     for solid in solids() {
         (run.progress)(&format!("tubes: {}", solid.name));
-        compare(&solid, &mut outcome)?;
+        errors.push(compare(&solid, &mut outcome)?);
+    }
+    for (group, solids) in GROUPS {
+        for (n, (method, _)) in integrals().iter().enumerate() {
+            let mean = errors[solids.clone()].iter().map(|errors| errors[n] * errors[n]).sum::<f64>()
+                / solids.len() as f64;
+            outcome.rows.push(Row::new(
+                group,
+                format!("{}: density, rms error", method.view()),
+                "%",
+                100.0 * mean.sqrt(),
+            ));
+        }
     }
     build(run, &mut outcome)?;
-    for method in scene_methods() {
-        (run.progress)(&format!("tubes: thin and sharp walls, {}", method.name()));
-        outcome.rows.extend(pour(run, method)?);
+    for &thickness in run.pick(&[0.5][..], &[1.0, 0.25]) {
+        for method in scene_methods() {
+            (run.progress)(&format!("tubes: plate of {thickness} rp, {}", method.name()));
+            outcome.rows.extend(pour(run, method, thickness)?);
+        }
     }
     outcome.notes.push(NOTE.into());
     Ok(outcome)
@@ -112,6 +128,10 @@ fn solids() -> Vec<Solid> {
     ]
 }
 
+/// Which of the solids belong together.
+const GROUPS: [(&str, Range<usize>); 3] =
+    [("all smooth ones", 0..6), ("all edges and corners", 6..10), ("plate and gap", 10..12)];
+
 /// Maps of the integral, and whether gamma is in it.
 fn integrals() -> [(Method, bool); 4] {
     let own = BoundaryPressure::Own;
@@ -123,13 +143,14 @@ fn integrals() -> [(Method, bool); 4] {
     ]
 }
 
-fn compare(solid: &Solid, outcome: &mut Outcome) -> Result<(), Error> {
+/// The root mean square of each method's error.
+fn compare(solid: &Solid, outcome: &mut Outcome) -> Result<[f64; 4], Error> {
     // In a gap of r, beyond the middle the other wall is nearer.
     let farthest = if solid.name == "gap of r" { 2.0 } else { 3.0 };
     let distances: Vec<f64> = DISTANCES.into_iter().filter(|d| *d <= farthest).collect();
     let places: Vec<DVec3> = distances.iter().map(|d| solid.ray[0] + d * RADIUS * solid.ray[1]).collect();
     let exact: Vec<[f64; 2]> = places.iter().map(|&place| integral(solid, place)).collect();
-    let mut curves = Vec::new();
+    let (mut curves, mut errors) = (Vec::new(), [0.0; 4]);
     for (n, (method, has_gamma)) in integrals().into_iter().enumerate() {
         let shape = method.shape(solid.mesh.clone(), RADIUS, solid.container)?;
         let walls = method.walls(RADIUS, vec![shape.body("solid", DVec3::ZERO, Motion::Static)], &places)?;
@@ -145,7 +166,8 @@ fn compare(solid: &Solid, outcome: &mut Outcome) -> Result<(), Error> {
         let row = |quantity: &str, value| {
             Row::new(solid.name, format!("{}: {quantity}", method.view()), "%", 100.0 * value)
         };
-        outcome.rows.push(row("density, rms error", square.sqrt()));
+        errors[n] = square.sqrt();
+        outcome.rows.push(row("density, rms error", errors[n]));
         outcome.rows.push(row("density, largest error", largest));
         curves.push(curve(method.view(), DISTINCT[n], points));
     }
@@ -154,7 +176,7 @@ fn compare(solid: &Solid, outcome: &mut Outcome) -> Result<(), Error> {
     let file = format!("tubes-{}.png", solid.name.replace(" / ", "_over_").replace(' ', "_"));
     let axes = [["Distance from the surface", "rp"], ["Density over the exact one", ""]];
     outcome.chart(file, chart(solid.name, axes[0], axes[1], curves));
-    Ok(())
+    Ok(errors)
 }
 
 /// Of W over the solid, and of gamma W; by the middles of small cubes, each as far solid as a plane at its distance.
@@ -217,10 +239,10 @@ const HALF: [f64; 2] = [0.3, 0.15];
 const HEIGHT: f64 = 0.7;
 const LEVELS: [f64; 2] = [0.2, 0.6];
 
-/// Water falls on a ridge of 30 degrees on the left of a plate of rp in a tank.
-fn pour(run: &Run, method: Method) -> Result<Vec<Row>, Error> {
-    let radius = run.pick(0.02, 0.015);
-    let plate_half = 0.5 * radius;
+/// Water falls on a ridge of 30 degrees on the left of a plate in a tank, so many rp thick.
+fn pour(run: &Run, method: Method, thickness: f64) -> Result<Vec<Row>, Error> {
+    let radius = run.pick(0.025, 0.015);
+    let plate_half = 0.5 * thickness * radius;
     let tank = cuboid(DVec3::new(-HALF[0], 0.0, -HALF[1]), DVec3::new(HALF[0], HEIGHT, HALF[1]));
     let plate =
         cuboid(DVec3::new(-plate_half, -0.1, -HALF[1] - 0.1), DVec3::new(plate_half, HEIGHT, HALF[1] + 0.1));
@@ -242,7 +264,7 @@ fn pour(run: &Run, method: Method) -> Result<Vec<Row>, Error> {
         Scenery { radius, places: lattice(low, high, radius), bodies, solver, ..Scenery::default() };
     let mut simulation = method.simulation(&scenery)?;
     let count = simulation.particles().len();
-    let (mut inside, mut steps, mut fastest) = (0, 0, 0.0_f64);
+    let (mut inside, mut steps, mut fastest) = (0, 0_u32, 0.0_f64);
     let stopped = survives(&mut simulation, run.pick(0.6, 2.0), &mut |_, report| {
         inside += report.inside;
         steps += 1;
@@ -251,16 +273,16 @@ fn pour(run: &Run, method: Method) -> Result<Vec<Row>, Error> {
     let positions = &simulation.particles().positions;
     let through = positions.iter().filter(|x| x.x > 0.0).count();
     let out = |x: &&DVec3| x.y < -radius || x.x.abs() > HALF[0] + radius || x.z.abs() > HALF[1] + radius;
-    let case = format!("thin and sharp walls: {}", method.name());
+    let case = format!("plate of {thickness} rp and a ridge: {}", method.name());
     let told = |quantity: &str, unit, value| Row::new(&case, quantity, unit, value);
     let fall = (2.0 * GRAVITY * LEVELS[1]).sqrt();
     let mut rows = vec![
         told("through the plate", "%", 100.0 * through as f64 / count as f64),
         told("out of the tank", "", (count - positions.len() + positions.iter().filter(out).count()) as f64),
-        told("centres in a body", "%", 100.0 * inside as f64 / (count * steps.max(1)) as f64),
+        told("centres in a body", "%", 100.0 * inside as f64 / (count as f64 * f64::from(steps.max(1)))),
         told("largest speed over that of a free fall", "", fastest / fall),
         told("rms speed at the end", "m/s", rms_speed(&simulation)),
-        told("steps", "", f64::from(steps as u32)),
+        told("steps", "", f64::from(steps)),
     ];
     if let Some(time) = stopped {
         rows.push(told("stopped at", "s", time));

@@ -1,6 +1,6 @@
 //! The largest stable step in a drum that turns fast: Band et al. 2018, section 5.5.
 
-use super::methods::{Method, Scenery, fixed_step, largest_step, survives};
+use super::methods::{CLEARANCE, Method, Scenery, fixed_step, largest_step, survives};
 use super::prism::{drum, prism};
 use crate::bodies::{Motion, Path, Spin};
 use crate::error::Error;
@@ -107,7 +107,7 @@ fn wash(method: &Method, shape: &Shape, [radius, dt, end]: [f64; 3]) -> Result<W
     let spin = Spin { axis: DVec3::Z, centre: DVec3::ZERO, speed: SPEED * PI / 30.0 };
     let half = DVec3::new(RADIUS, RADIUS, HALF_LENGTH);
     let mut places = lattice(-half, half, radius);
-    let clear = |x: &DVec3| x.y < -0.1 && shape.map.values(*x).distance > 0.9 * radius;
+    let clear = |x: &DVec3| x.y < -0.1 && shape.map.values(*x).distance > CLEARANCE * radius;
     places.retain(clear);
     let mut simulation = method.simulation(&Scenery {
         radius,
