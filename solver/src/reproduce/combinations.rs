@@ -40,7 +40,7 @@ struct Rest {
     layers: [f64; 2],
     /// Top of the fluid over where it belongs.
     height: f64,
-    /// Mean of |D - 1| of the particles at floor and walls in the last second.
+    /// Mean of |D - 1| of the particles within r of floor and walls in the last second.
     density: f64,
     /// The same of the others.
     density_inside: f64,
@@ -152,13 +152,13 @@ fn rest(run: &Run, method: Method, tank: &Shape) -> Result<Rest, Error> {
     Ok(rest)
 }
 
-/// Mean of |D - 1| at floor and walls, and elsewhere below the surface.
+/// Mean of |D - 1| within a support radius of floor and walls, and elsewhere below the surface.
 fn density_errors(simulation: &Simulation) -> [f64; 2] {
     let [mut sums, mut counts] = [[0.0; 2], [0.0; 2]];
     let surface = percentile(&heights(simulation), 0.99) - 3.0 * RADIUS;
     for (x, &density) in simulation.particles().positions.iter().zip(simulation.densities()) {
         if x.y < surface {
-            let at_wall = usize::from(to_walls(*x).min(x.y) > 2.0 * RADIUS);
+            let at_wall = usize::from(to_walls(*x).min(x.y) > 4.0 * RADIUS);
             sums[at_wall] += (f64::from(density) - 1.0).abs();
             counts[at_wall] += 1.0;
         }

@@ -151,8 +151,10 @@ fn compare(solid: &Solid, outcome: &mut Outcome) -> Result<[f64; 4], Error> {
     let places: Vec<DVec3> = distances.iter().map(|d| solid.ray[0] + d * RADIUS * solid.ray[1]).collect();
     let exact: Vec<[f64; 2]> = places.iter().map(|&place| integral(solid, place)).collect();
     let (mut curves, mut errors) = (Vec::new(), [0.0; 4]);
+    // All four are in a density map.
+    let with_all = Method::of(BoundaryMethod::DensityMap, BoundaryPressure::Own);
+    let shape = with_all.shape(solid.mesh.clone(), RADIUS, solid.container)?;
     for (n, (method, has_gamma)) in integrals().into_iter().enumerate() {
-        let shape = method.shape(solid.mesh.clone(), RADIUS, solid.container)?;
         let walls = method.walls(RADIUS, vec![shape.body("solid", DVec3::ZERO, Motion::Static)], &places)?;
         let (mut square, mut largest) = (0.0, 0.0_f64);
         let mut points = Vec::new();
