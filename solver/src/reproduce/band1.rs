@@ -229,10 +229,8 @@ fn rows(case: &str, cost: Cost, mirroring: Cost, paper: Option<[f64; 2]>) -> Vec
         Some([count, ratio]) => [iterations.paper(count), over.paper(ratio)],
         None => [iterations, over],
     };
-    vec![
-        iterations,
-        told("of these for the density", "a step", cost.density / cost.steps),
-        over,
-        told("time of a step", "ms", 1e3 * time),
-    ]
+    let mut rows = vec![iterations, told("of these for the density", "a step", cost.density / cost.steps)];
+    rows.extend(mirroring.is_finite().then_some(over));
+    rows.push(told("time of a step", "ms", 1e3 * time));
+    rows
 }

@@ -63,7 +63,7 @@ fn run(run: &Run) -> Result<Outcome, Error> {
         }
         (run.progress)(&format!("sphere: {}", method.name()));
         let hollow = method.shape(ball(RADIUS, 6), radius, true)?;
-        let end = run.pick(1.0, 2.0);
+        let end = run.pick(1.0, 3.0);
         let (still, _) = turn(&method, &hollow, [radius, 0.0, end])?;
         let (turning, points) = turn(&method, &hollow, [radius, SPEED, end])?;
         outcome.rows.extend(rows(&method, still, turning));
@@ -78,7 +78,7 @@ fn run(run: &Run) -> Result<Outcome, Error> {
     Ok(outcome)
 }
 
-const NOTE: &str = "Scaled: the ball's radius is 0.5 m instead of 3 m, 17.1 rpm instead of 7 (the same wall speed over sqrt(g R)), 2 s for 10; \
+const NOTE: &str = "Scaled: the ball's radius is 0.5 m instead of 3 m, 17.1 rpm instead of 7 (the same wall speed over sqrt(g R)), 3 s for 10; \
                     spacing 5 cm, steps of 1 ms and ten iterations without a divergence solve are the paper's. The paper shows \
                     speeds in colours and gives no figures.";
 
@@ -141,6 +141,7 @@ fn rows(method: &Method, still: Calm, turning: Calm) -> Vec<Row> {
     vec![
         told("kinetic energy, of water that turns with the ball", "%", percent(turning.energy)),
         told("kinetic energy in a ball at rest", "%", percent(still.energy)),
+        told("kinetic energy that turning adds", "%", percent(turning.energy - still.energy)),
         told("rms speed over the wall's", "%", percent(turning.speed)),
         told("rms speed in a ball at rest", "%", percent(still.speed)),
         told("angular momentum, of water that turns", "%", percent(turning.carried)),

@@ -8,9 +8,10 @@ use crate::settings::{BoundaryMethod, BoundaryPressure, SolverSettings};
 use crate::validation::flow::{GRAVITY, lattice};
 use crate::validation::observe::rms_speed;
 use crate::validation::shapes::Shape;
-use crate::validation::{Experiment, Outcome, Row, Run, chart, curve};
+use crate::validation::{Experiment, Outcome, Row, Run, chart};
 use std::f64::consts::PI;
 use volmap_baker::picture::colours::DISTINCT;
+use volmap_baker::picture::{Data, Series};
 use volmap_runtime::{ClosureKind, DVec3};
 
 /// It.
@@ -77,7 +78,8 @@ fn run(run: &Run) -> Result<Outcome, Error> {
             mirroring = largest;
         }
         outcome.rows.extend(rows(&method, largest, mirroring, last));
-        curves.push(curve(method.name(), DISTINCT[n % DISTINCT.len()], points));
+        let data = if n < DISTINCT.len() { Data::Curve(points) } else { Data::Dashes(points) };
+        curves.push(Series { name: method.name(), colour: DISTINCT[n % DISTINCT.len()], data });
     }
     let mut chart = chart("Largest speed by step", ["Step", "ms"], ["Largest speed", "m/s"], curves);
     chart.x.log = true;
