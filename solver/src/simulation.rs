@@ -418,6 +418,11 @@ impl Simulation {
         all.map(|(pressure, relative)| density * relative * relative * pressure).collect()
     }
 
+    /// What the particles saw of the bodies in the last step.
+    pub fn boundary(&self) -> &Boundary {
+        &self.boundary
+    }
+
     pub(crate) fn is_in_domain(&self, x: DVec3) -> bool {
         strays::is_within(x, self.domain)
     }

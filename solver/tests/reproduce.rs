@@ -1,6 +1,8 @@
 //! The experiments of `volmap-sim reproduce` in short, with bounds of their physics. The feature `long` has them.
 
-use volmap_solver::reproduce::{friction, incline, puck, sticky, table1};
+use volmap_solver::reproduce::{
+    combinations, force, friction, incline, puck, sphere, sticky, table1, tubes, washing,
+};
 use volmap_solver::validation::{Experiment, Outcome, Run};
 
 fn run(experiment: Experiment) -> Outcome {
@@ -68,4 +70,67 @@ fn all_methods_race() {
     }
     assert!(of(&outcome, "particles", "boundary particles") > 1000.0);
     assert_eq!(of(&outcome, "volume map", "boundary particles"), 0.0);
+}
+
+#[test]
+fn density_maps_of_few_cells_jump_and_volume_maps_do_not() {
+    let outcome = run(force::EXPERIMENT);
+    let jump =
+        |view: &str, way: &str| of(&outcome, &format!("{view}, 10 cells: {way}"), "largest jump over it");
+    // Bender et al. 2020, Fig. 10.
+    assert!(jump("density map", "to the face") > 5.0);
+    for view in ["volume map, paper", "volume map, calibrated"] {
+        assert!(jump(view, "to the face") < 1.0, "{view}");
+    }
+    let ripple = "normal force, most less least over its mean";
+    let along = |view: &str| of(&outcome, &format!("{view}, 20 cells: along the face"), ripple);
+    assert!(
+        ["density map", "volume map, paper", "volume map, mirror"].into_iter().all(|view| along(view) < 1.0)
+    );
+}
+
+#[test]
+fn a_turning_ball_carries_boundary_particles_water_and_not_that_of_maps() {
+    let outcome = run(sphere::EXPERIMENT);
+    let carried = |case: &str| of(&outcome, case, "angular momentum, of water that turns");
+    assert!(carried("volume map, mirror, own").abs() < 2.0);
+    // The wall's gradient is normal to it on maps alone.
+    assert!(carried("particles, sph") > 4.0 * carried("volume map, mirror, own").abs());
+}
+
+#[test]
+fn a_drum_turns_in_large_steps() {
+    let outcome = run(washing::EXPERIMENT);
+    let step = |case: &str| of(&outcome, case, "largest stable step");
+    // The flow is chaotic: a step is one throw of dice, and only far smaller ones mean something.
+    for case in ["particles, mirror", "particles, mls", "volume map, mirror, own"] {
+        assert!(step(case) >= 8.0, "{case}: {}", step(case));
+    }
+}
+
+#[test]
+fn densities_are_the_integrals_and_thin_walls_hold() {
+    let outcome = run(tubes::EXPERIMENT);
+    let error = |group: &str, view: &str| of(&outcome, group, &format!("{view}: density, rms error"));
+    assert!(error("plane", "volume map, calibrated") < 1.5 && error("plane", "tube map") < 1.5);
+    assert!(error("all smooth ones", "tube map") < 1.5 && error("all smooth ones", "density map") < 4.0);
+    assert!(error("all edges and corners", "density map") < 12.0);
+    // A surface seen at one point only.
+    assert!(error("all edges and corners", "tube map") > error("all edges and corners", "volume map, wedge"));
+    for view in ["volume map, mirror, own", "particles, mirror"] {
+        let case = format!("plate of 0.5 rp and a ridge: {view}");
+        assert_eq!(of(&outcome, &case, "through the plate"), 0.0);
+        assert!(of(&outcome, &case, "largest speed over that of a free fall") < 2.5);
+    }
+}
+
+#[test]
+fn layers_lie_where_the_method_puts_them() {
+    let outcome = run(combinations::EXPERIMENT);
+    let layer = |case: &str| of(&outcome, case, "first layer above the floor");
+    assert!((layer("volume map, mirror, own") - 1.0).abs() < 0.1);
+    assert!((1.6..2.6).contains(&layer("particles, mirror")));
+    let lost = outcome.rows.iter().filter(|row| row.quantity == "lost").map(|row| row.measured).sum::<f64>();
+    assert_eq!(lost, 0.0);
+    assert!(of(&outcome, "volume map, mirror, own", "largest stable step") >= 16.0);
 }
