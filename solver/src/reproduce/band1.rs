@@ -74,7 +74,7 @@ fn run(run: &Run) -> Result<Outcome, Error> {
             continue;
         }
         (run.progress)(&format!("band1: steps for the paper's {} ms", 1e3 * step));
-        let costs = costs(&scenes, step * scale(), run.pick(0.3, 1.2))?;
+        let costs = costs(&scenes, step * scale(), run.pick(0.2, 1.2))?;
         for (m, (method, paper)) in cases().into_iter().enumerate() {
             let case = format!("{} ms: {}", 1e3 * step, method.name());
             let paper = paper.map(|(iterations, times)| [iterations[n], times[n] / MIRRORING[n]]);
@@ -200,7 +200,7 @@ fn settled(run: &Run, method: Method) -> Result<Scene, Error> {
     solver.time_step.max = 0.0005;
     solver.time_step.min = 1e-5;
     let mut simulation = scene.simulation(&places, Some(&gate), solver)?;
-    until(&mut simulation, run.pick(0.3, 0.6), &mut |_, _| ())?;
+    until(&mut simulation, run.pick(0.15, 0.6), &mut |_, _| ())?;
     Ok(Scene { method, dam: simulation.particles().positions.clone(), ..scene })
 }
 

@@ -80,8 +80,11 @@ const NOTE: &str = "The unit cube with r = 0.1 m. A particle of given pressure f
                     maps have a quarter of the radius, 1.1 r; scenes take r / 4, and for `mirror` r / 8. A jump is what a step of 8,000 along the way changes more than both of its \
                     neighbours; the exact force has none on any of the ways. The force of `paper` falls to 0 at the face by itself.";
 
-/// Places along each way and forces there.
-fn forces(method: &Method, cells: Option<u32>) -> Result<Vec<(Vec<f64>, Vec<DVec3>)>, Error> {
+/// Places along a way, and forces there.
+type Forces = (Vec<f64>, Vec<DVec3>);
+
+/// Of each way.
+fn forces(method: &Method, cells: Option<u32>) -> Result<Vec<Forces>, Error> {
     let mut settings = method.baking(SUPPORT, false);
     settings.grid = cells.map_or(settings.grid, |cells| GridChoice::Resolution([cells; 3]));
     let cube = baked_by(cuboid(DVec3::new(-0.5, -1.0, -0.5), DVec3::new(0.5, 0.0, 0.5)), settings)?;
