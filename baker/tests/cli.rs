@@ -692,7 +692,7 @@ fn an_outline_is_baked_and_asked_in_two_dimensions() {
     output(&mut bake(&["--density", "--translate", "1,2", "--threads", "1", "-q"]));
     assert!(once == fs::read(folder.path().join("plate.h5")).unwrap());
     for command in [
-        &["slice", "plate.h5", "-o", "a.png"][..],
+        &["slice", "plate.h5", "--plane", "z=0", "-o", "a.png"][..],
         &["report", "plate.h5"],
         &["export", "plate.h5", "-o", "a.vti"],
     ] {
