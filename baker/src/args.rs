@@ -260,11 +260,7 @@ impl BakeArguments {
                     rule: self.density_quadrature,
                     ..DensitySettings::default()
                 }),
-                precision: match (self.max_rounding, self.precision) {
-                    (Some(part), _) => Precision::Rounded(part),
-                    (None, PrecisionName::F32) => Precision::F32,
-                    (None, PrecisionName::F64) => Precision::F64,
-                },
+                precision: precision(self.max_rounding, self.precision),
                 max_memory: self.max_memory,
             },
             sign: match self.sign {
@@ -284,6 +280,15 @@ impl BakeArguments {
             CompressionName::Zstd if self.max_rounding.is_some() => Compression::Zstd(5),
             other => other.into(),
         }
+    }
+}
+
+/// Rounded to a part, or by name.
+fn precision(max_rounding: Option<f64>, name: PrecisionName) -> Precision {
+    match (max_rounding, name) {
+        (Some(part), _) => Precision::Rounded(part),
+        (None, PrecisionName::F32) => Precision::F32,
+        (None, PrecisionName::F64) => Precision::F64,
     }
 }
 

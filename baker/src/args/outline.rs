@@ -1,6 +1,6 @@
 //! Options of `volmap bake-outline`.
 
-use super::{CompressionName, Numbers, PrecisionName, list, numbers, part, threads, unit};
+use super::{CompressionName, Numbers, PrecisionName, list, numbers, part, precision, threads, unit};
 use clap::{ArgGroup, Args};
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -8,7 +8,7 @@ use volmap_baker::area_map::disc::DiscRule;
 use volmap_baker::area_map::outline::OutlinePlacement;
 use volmap_baker::area_map::{AreaDensity, AreaSettings};
 use volmap_baker::density_map::smoothing::Smoothing;
-use volmap_baker::plan::{GridChoice, Precision};
+use volmap_baker::plan::GridChoice;
 use volmap_formats::asset::Compression;
 
 #[derive(Debug, Args)]
@@ -134,11 +134,7 @@ impl OutlineArguments {
                 rule: self.density_quadrature,
                 ..AreaDensity::default()
             }),
-            precision: match (self.max_rounding, self.precision) {
-                (Some(part), _) => Precision::Rounded(part),
-                (None, PrecisionName::F32) => Precision::F32,
-                (None, PrecisionName::F64) => Precision::F64,
-            },
+            precision: precision(self.max_rounding, self.precision),
         }
     }
 

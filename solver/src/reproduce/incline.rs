@@ -1,16 +1,16 @@
 //! Single particles slide down a plane: Bender et al. 2020, *Implicit Frictional Boundary Handling for SPH*, Fig. 7. A plane
 //! made of particles is bumpy and throws them about, a map is smooth.
 
-use super::boundaries::{DENSITY_MAP, Method, PAPER_MAP, PARTICLES, VOLUME_MAP};
-use crate::bodies::{BodyDescription, Motion};
+use super::boundaries::{DENSITY_MAP, Named, PAPER_MAP, PARTICLES, VOLUME_MAP};
 use crate::error::Error;
 use crate::simulation::Simulation;
 use crate::validation::flow::GRAVITY;
+use crate::validation::incline::{RP, starts, turned};
 use crate::validation::observe::until;
 use crate::validation::shapes::cuboid;
 use crate::validation::{Experiment, Outcome, Row, Run, chart, curve};
 use volmap_baker::picture::colours::DISTINCT;
-use volmap_runtime::{DQuat, DVec3, Pose};
+use volmap_runtime::DVec3;
 
 /// It.
 pub const EXPERIMENT: Experiment = Experiment {
@@ -20,9 +20,6 @@ pub const EXPERIMENT: Experiment = Experiment {
     run,
 };
 
-const RP: f64 = 0.025;
-/// Particles along each side of the grid that is dropped.
-const SIDE: i32 = 8;
 /// Of the plane.
 const DEGREES: f64 = 30.0;
 /// How far a particle slides that nothing holds, metres.
@@ -62,19 +59,10 @@ struct Slide {
     ideal: f64,
 }
 
-fn slide(method: &Method) -> Result<Slide, Error> {
+fn slide(method: &Named) -> Result<Slide, Error> {
     let plane = method.baked(cuboid(DVec3::new(-3.0, -0.15, -1.0), DVec3::new(2.0, 0.0, 1.0)), RP, false)?;
-    // About an axis that is no axis of the lattice of cells.
-    let rotation = DQuat::from_rotation_y(0.3) * DQuat::from_rotation_z(DEGREES.to_radians());
-    let body = BodyDescription {
-        pose: Pose { rotation, ..Pose::default() },
-        ..plane.body("plane", DVec3::ZERO, Motion::Static)
-    };
-    // Farther apart than they reach, and at all places of a cell.
-    let (step, half) = (4.3 * RP, SIDE / 2);
-    let at = |n: i32| DVec3::new(f64::from(n % SIDE - half), 0.0, f64::from(n / SIDE - half));
-    let starts: Vec<DVec3> =
-        (0..SIDE * SIDE).map(|n| DVec3::new(1.0, 1.2 * RP, 0.0) + step * at(n)).collect();
+    let (body, rotation) = turned(&plane, DEGREES);
+    let starts = starts(1.0);
     let mut setup = method.setup(RP, vec![body])?;
     let places: Vec<DVec3> = starts.iter().map(|&x| rotation * x).collect();
     setup.particles.add(&places, &vec![[0.0; 3]; places.len()]);

@@ -125,24 +125,38 @@ impl Method {
         Ok(boundary.of_particle)
     }
 
+    /// What a simulation by this method begins with, but for the particles; their radius in metres.
+    ///
+    /// # Errors
+    /// As [`Bodies::new`].
+    pub fn setup(
+        &self,
+        radius: f64,
+        fluid: FluidSettings,
+        solver: SolverSettings,
+        bodies: Vec<BodyDescription>,
+    ) -> Result<Setup, Error> {
+        let world = self.world(radius);
+        Ok(Setup {
+            bodies: Bodies::new(bodies, world.gravity)?,
+            world,
+            fluid,
+            solver: SolverSettings { boundary_pressure: self.pressure, ..solver },
+            particles: Particles::default(),
+            emitters: Vec::new(),
+            domain: None,
+        })
+    }
+
     /// A simulation by this method.
     ///
     /// # Errors
     /// As [`Simulation::new`].
     pub fn simulation(&self, scenery: &Scenery) -> Result<Simulation, Error> {
-        let world = self.world(scenery.radius);
-        let mut particles = Particles::default();
-        particles.add(&scenery.places, &vec![[0.0; 3]; scenery.places.len()]);
-        let bodies = Bodies::new(scenery.bodies.clone(), world.gravity)?;
-        Simulation::new(Setup {
-            world,
-            fluid: scenery.fluid.clone(),
-            solver: SolverSettings { boundary_pressure: self.pressure, ..scenery.solver.clone() },
-            particles,
-            emitters: Vec::new(),
-            bodies,
-            domain: None,
-        })
+        let Scenery { radius, places, bodies, fluid, solver } = scenery;
+        let mut setup = self.setup(*radius, fluid.clone(), solver.clone(), bodies.clone())?;
+        setup.particles.add(places, &vec![[0.0; 3]; places.len()]);
+        Simulation::new(setup)
     }
 }
 

@@ -43,12 +43,7 @@ pub fn drum(radius: f64, paddles: u32, height: f64, width: f64) -> Vec<[f64; 2]>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use volmap_runtime::DVec3;
-
-    fn volume(mesh: &TriangleMesh) -> f64 {
-        let at = |n: u32| DVec3::from(mesh.vertices[n as usize]);
-        mesh.triangles.iter().map(|&[a, b, c]| at(a).dot(at(b).cross(at(c))) / 6.0).sum()
-    }
+    use crate::validation::shapes::tests::volume;
 
     #[test]
     fn prisms_have_the_volume_of_their_section() {

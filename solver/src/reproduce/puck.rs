@@ -2,7 +2,7 @@
 //! Frictional Boundary Handling for SPH*, Figs. 8 and 9. A plane made of particles is bumpy: it brakes, turns and shifts the
 //! puck; a map must not.
 
-use super::boundaries::{DENSITY_MAP, Method, PAPER_MAP, PARTICLES, VOLUME_MAP};
+use super::boundaries::{DENSITY_MAP, Named, PAPER_MAP, PARTICLES, VOLUME_MAP};
 use super::rigid::Rigid;
 use crate::bodies::Motion;
 use crate::error::Error;
@@ -97,14 +97,14 @@ struct Track {
 }
 
 /// Without other forces than gravity.
-fn spin(method: &Method, plane: &Shape, end: f64) -> Result<Track, Error> {
+fn spin(method: &Named, plane: &Shape, end: f64) -> Result<Track, Error> {
     let (mut rigid, mut simulation) = puck(method, plane, DVec3::NEG_Y * GRAVITY)?;
     rigid.angular_velocity = DVec3::Y * SPIN;
     track(&mut rigid, &mut simulation, end)
 }
 
 /// Down a slope: the plane is level, gravity is not.
-fn slide(method: &Method, plane: &Shape, end: f64) -> Result<Track, Error> {
+fn slide(method: &Named, plane: &Shape, end: f64) -> Result<Track, Error> {
     let tilted = DQuat::from_rotation_z(DEGREES.to_radians()) * DVec3::NEG_Y;
     let (mut rigid, mut simulation) = puck(method, plane, GRAVITY * tilted)?;
     rigid.velocity = DVec3::ZERO;
@@ -113,7 +113,7 @@ fn slide(method: &Method, plane: &Shape, end: f64) -> Result<Track, Error> {
 }
 
 /// The puck as a fluid so thick that it hardly sinks, free in all else: angular momentum, and what is between its particles.
-fn fluid_rows(outcome: &mut Outcome, method: &Method, plane: &Shape, end: f64) -> Result<(), Error> {
+fn fluid_rows(outcome: &mut Outcome, method: &Named, plane: &Shape, end: f64) -> Result<(), Error> {
     let (mut rigid, _) = puck(method, plane, DVec3::NEG_Y * GRAVITY)?;
     rigid.angular_velocity = DVec3::Y * SPIN;
     let mut setup = method.setup(RP, vec![plane.body("plane", DVec3::ZERO, Motion::Static)])?;
@@ -153,7 +153,7 @@ fn places() -> Vec<DVec3> {
 }
 
 /// A puck at rest on a plane. What gravity has along the plane is taken away until then.
-fn puck(method: &Method, plane: &Shape, gravity: DVec3) -> Result<(Rigid, Simulation), Error> {
+fn puck(method: &Named, plane: &Shape, gravity: DVec3) -> Result<(Rigid, Simulation), Error> {
     let mut rigid = Rigid::new(&places(), DVec3::ZERO, DVec3::ZERO);
     let mut setup = method.setup(RP, vec![plane.body("plane", DVec3::ZERO, Motion::Static)])?;
     setup.world.gravity = gravity;
@@ -207,7 +207,7 @@ impl Track {
         self.all.iter().map(of).fold(0.0, f64::max)
     }
 
-    fn spin_rows(&self, outcome: &mut Outcome, method: &Method) {
+    fn spin_rows(&self, outcome: &mut Outcome, method: &Named) {
         let Some(last) = self.all.last() else { return };
         let case = format!("{}, spins", method.name);
         let loss = Row::new(&case, "part of the spin that was lost", "", 1.0 - last.spin / SPIN);

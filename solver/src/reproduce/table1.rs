@@ -1,7 +1,7 @@
 //! Times of a step for particles, density maps and volume maps: Bender et al. 2020, *Implicit Frictional Boundary Handling for
 //! SPH*, Table 1, its double dam break with fewer particles.
 
-use super::boundaries::{DENSITY_MAP, Method, PAPER_MAP, PARTICLES, VOLUME_MAP};
+use super::boundaries::{DENSITY_MAP, Named, PAPER_MAP, PARTICLES, VOLUME_MAP};
 use crate::bodies::Motion;
 use crate::error::Error;
 use crate::neighbours::CHUNK;
@@ -9,11 +9,12 @@ use crate::settings::{BoundaryMethod, FluidSettings};
 use crate::simulation::{Simulation, StepReport};
 use crate::validation::flow::lattice;
 use crate::validation::observe::percentile;
-use crate::validation::shapes::cuboid;
+use crate::validation::shapes::{baked_by, cuboid};
 use crate::validation::{Experiment, Outcome, Row, Run, chart, curve};
 use rayon::prelude::*;
 use std::time::{Duration, Instant};
 use volmap_baker::picture::colours::DISTINCT;
+use volmap_baker::plan::GridChoice;
 use volmap_runtime::{ClosureKind, DVec3};
 
 /// It.
@@ -46,7 +47,7 @@ fn run(run: &Run) -> Result<Outcome, Error> {
         let Some(next) = next.filter(|next| next.simulation.time() < end) else { break };
         next.step()?;
         if next.steps % 50 == 0 {
-            let [time, name] = [format!("{:.2} s", next.simulation.time()), next.method.name.into()];
+            let [time, name] = [format!("{:.2} s", next.simulation.time()), next.view.name.into()];
             (run.progress)(&format!("table1: {name}, {time}"));
         }
     }
@@ -55,7 +56,7 @@ fn run(run: &Run) -> Result<Outcome, Error> {
         racer.rows(&mut outcome, first, paper.map(|n: usize| PAPER[n]));
     }
     let curves = racers.into_iter().zip(DISTINCT);
-    let curves = curves.map(|(racer, colour)| curve(racer.method.name, colour, racer.points)).collect();
+    let curves = curves.map(|(racer, colour)| curve(racer.view.name, colour, racer.points)).collect();
     let axes = [["Time", "s"], ["Time of a step without map queries of particles", "ms"]];
     outcome.chart("table1.png", chart("Times of a step", axes[0], axes[1], curves));
     outcome.notes.push(NOTE.into());
@@ -72,7 +73,7 @@ const NOTE: &str = "61,250 particles instead of 3 million (short: 6,912); median
 
 /// A simulation and its times.
 struct Racer {
-    method: Method,
+    view: Named,
     simulation: Simulation,
     steps: u32,
     /// Of each step, of the search, pressure, non-pressure, all, and what the boundary takes of these; seconds.
@@ -83,19 +84,18 @@ struct Racer {
 }
 
 impl Racer {
-    fn new(method: Method, radius: f64) -> Result<Racer, Error> {
+    fn new(view: Named, radius: f64) -> Result<Racer, Error> {
         // As data/scenes/double_dam_break.toml.
         let tank = cuboid(DVec3::new(-1.55, 0.0, -1.55), DVec3::new(1.55, 3.1, 1.55));
-        let world = method.world(radius);
         // All but the default's narrow one of cells of r / 2, which bake in time.
-        let tank = match method.closure {
-            ClosureKind::Mirror if method.boundary == BoundaryMethod::VolumeMap => {
-                method.baked(tank, radius, true)?
-            }
-            _ => method.baked_with_cells(tank, &world, 0.5 * world.support_radius, true)?,
-        };
+        let support_radius = 4.0 * radius;
+        let mut baking = view.method.baking(support_radius, true);
+        if view.method.closure != ClosureKind::Mirror || view.method.boundary != BoundaryMethod::VolumeMap {
+            baking.grid = GridChoice::CellSize(0.5 * support_radius);
+        }
+        let tank = baked_by(tank, baking)?;
         let map_bytes = tank.map.memory_bytes();
-        let mut setup = method.setup(radius, vec![tank.body("tank", DVec3::Y * -0.05, Motion::Static)])?;
+        let mut setup = view.setup(radius, vec![tank.body("tank", DVec3::Y * -0.05, Motion::Static)])?;
         setup.fluid = FluidSettings::default();
         let low = 0.2 + radius;
         let blocks = [(-1.5 + radius, -low), (low, 1.5 - radius)];
@@ -106,7 +106,7 @@ impl Racer {
         let simulation = Simulation::new(setup)?;
 
         Ok(Racer {
-            method,
+            view,
             simulation,
             steps: 0,
             times: Default::default(),
@@ -124,7 +124,7 @@ impl Racer {
             stages.density + stages.divergence + stages.pressure,
             stages.non_pressure + stages.advance,
         ];
-        if self.method.boundary == BoundaryMethod::Particles {
+        if self.view.method.boundary == BoundaryMethod::Particles {
             boundary = boundary.saturating_sub(self.map_queries());
             times[0] += boundary;
         } else {
@@ -160,7 +160,7 @@ impl Racer {
     }
 
     fn rows(&self, outcome: &mut Outcome, first: [f64; 5], paper: Option<[f64; 4]>) {
-        let (case, rows) = (self.method.name, &mut outcome.rows);
+        let (case, rows) = (self.view.name, &mut outcome.rows);
         let times = self.milliseconds();
         for (n, (stage, time)) in STAGES.into_iter().zip(times).enumerate() {
             let of_paper = |row: Row, value: fn([f64; 4], usize) -> f64| match paper {
@@ -169,7 +169,7 @@ impl Racer {
             };
             let row = Row::new(case, stage, "ms", time);
             rows.push(of_paper(row, |paper, n| paper[n] / PAPER_PARTICLES));
-            if self.method.boundary != BoundaryMethod::Particles {
+            if self.view.method.boundary != BoundaryMethod::Particles {
                 let row = Row::new(case, format!("{stage} over that of particles"), "", time / first[n]);
                 rows.push(of_paper(row, |paper, n| paper[n] / PAPER[0][n]));
             }
@@ -181,7 +181,7 @@ impl Racer {
         rows.push(Row::new(case, "pressure in an iteration", "ms", pressure));
         rows.push(Row::new(case, "steps", "", self.steps.into()));
         rows.push(Row::new(case, "boundary particles", "", self.simulation.boundary_particles() as f64));
-        let needed = if self.method.boundary == BoundaryMethod::Particles { 0 } else { self.map_bytes };
+        let needed = if self.view.method.boundary == BoundaryMethod::Particles { 0 } else { self.map_bytes };
         rows.push(Row::new(case, "map", "MB", 1e-6 * needed as f64));
         rows.push(Row::new(case, "particles and lists", "MB", 1e-6 * self.simulation.memory_bytes() as f64));
     }

@@ -19,7 +19,8 @@ pub const EXPERIMENT: Experiment = Experiment {
     run,
 };
 
-const RP: f64 = 0.025;
+/// Particle radius, metres.
+pub const RP: f64 = 0.025;
 /// Particles along each side of the grid that is dropped.
 const SIDE: i32 = 8;
 
@@ -37,8 +38,8 @@ fn run(run: &Run) -> Result<Outcome, Error> {
     Ok(outcome)
 }
 
-/// The plane's own axes in the world: up the slope, out of it, along it.
-fn turned(plane: &Shape, degrees: f64) -> (BodyDescription, DQuat) {
+/// The plane as a body, and its own axes in the world: up the slope, out of it, along it.
+pub fn turned(plane: &Shape, degrees: f64) -> (BodyDescription, DQuat) {
     // About an axis that is no axis of the lattice of cells.
     let rotation = DQuat::from_rotation_y(0.3) * DQuat::from_rotation_z(f64::to_radians(degrees));
     let body = BodyDescription {
@@ -48,19 +49,17 @@ fn turned(plane: &Shape, degrees: f64) -> (BodyDescription, DQuat) {
     (body, rotation)
 }
 
+/// Where the particles begin, in the plane's axes, around `up` metres on the slope: farther apart than they reach, so that
+/// each is alone; odd steps, to meet all places of a cell.
+pub fn starts(up: f64) -> Vec<DVec3> {
+    let (step, half) = (4.3 * RP, SIDE / 2);
+    let at = |n: i32| DVec3::new(f64::from(n % SIDE - half), 0.0, f64::from(n / SIDE - half));
+    (0..SIDE * SIDE).map(|n| DVec3::new(up, 1.2 * RP, 0.0) + step * at(n)).collect()
+}
+
 fn slide(outcome: &mut Outcome, plane: &Shape, degrees: f64) -> Result<Vec<[f64; 2]>, Error> {
     let (body, rotation) = turned(plane, degrees);
-    // Farther apart than they reach, so that each is alone; odd steps, to meet all places of a cell.
-    let step = 4.3 * RP;
-    let starts: Vec<DVec3> = (0..SIDE * SIDE)
-        .map(|n| {
-            DVec3::new(
-                2.0 + step * f64::from(n % SIDE - SIDE / 2),
-                1.2 * RP,
-                step * f64::from(n / SIDE - SIDE / 2),
-            )
-        })
-        .collect();
+    let starts = starts(2.0);
     let places: Vec<DVec3> = starts.iter().map(|&x| rotation * x).collect();
     let mut simulation = water(RP, &places, 0.0, vec![body])?;
     let acceleration = GRAVITY * degrees.to_radians().sin();

@@ -137,10 +137,11 @@ impl Shape {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
 
-    fn volume(mesh: &TriangleMesh) -> f64 {
+    /// Of a closed mesh, m^3.
+    pub(crate) fn volume(mesh: &TriangleMesh) -> f64 {
         let at = |n: u32| DVec3::from(mesh.vertices[n as usize]);
         mesh.triangles.iter().map(|&[a, b, c]| at(a).dot(at(b).cross(at(c))) / 6.0).sum()
     }
