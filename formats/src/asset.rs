@@ -19,7 +19,7 @@ mod write;
 pub use density::DensityField;
 pub use error::AssetError;
 #[cfg(feature = "write")]
-pub use publish::NewFile;
+pub use publish::{NewFile, clear_leftovers};
 pub use rounded::{Rounded, RoundingError};
 pub use schema::{FORMAT_NAME, FORMAT_VERSION, MAX_CELLS_PER_AXIS, MAX_ROWS};
 pub use tree::{Array, Attributes, Dataset, Tree, Value};

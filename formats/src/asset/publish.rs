@@ -1,10 +1,9 @@
 //! Files that appear whole or not at all, even if the program is killed.
 //!
 //! On Linux a file that is being written has no name in its folder (`O_TMPFILE`), so it goes with the process; a
-//! link gives it one when it is complete. Elsewhere, and on file systems without such files, it is a temporary file
-//! that is renamed.
+//! link gives it one when it is complete. To take the place of an older file, and elsewhere, it is a temporary file
+//! that is renamed. One that a killed program left can be told from one at work: nobody holds its lock.
 
-#[cfg(target_os = "linux")]
 use std::fs::File;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -37,6 +36,32 @@ pub fn publish(bytes: &[u8], target: &Path) -> io::Result<()> {
     file.publish()
 }
 
+const PREFIX: &str = ".volmap-";
+const SUFFIX: &str = ".part";
+
+/// Removes what killed programs left of files in a folder, and says how many. Files that are being written stay.
+///
+/// # Errors
+/// A folder that can't be read.
+pub fn clear_leftovers(folder: &Path) -> io::Result<usize> {
+    let mut count = 0;
+    for entry in std::fs::read_dir(folder)? {
+        let entry = entry?;
+        let name = entry.file_name();
+        let ours = name.to_str().is_some_and(|name| name.starts_with(PREFIX) && name.ends_with(SUFFIX));
+        if ours && is_left(&entry.path()) && std::fs::remove_file(entry.path()).is_ok() {
+            count += 1;
+        }
+    }
+    Ok(count)
+}
+
+/// Where the file system has no locks nothing is known to be left.
+fn is_left(path: &Path) -> bool {
+    path.symlink_metadata().is_ok_and(|found| found.is_file())
+        && File::open(path).is_ok_and(|file| file.try_lock().is_ok())
+}
+
 /// A file on its way: it gets its name when it is published, and is gone if it never is. Not buffered.
 pub struct NewFile {
     target: PathBuf,
@@ -59,9 +84,10 @@ impl NewFile {
         let folder = folder_of(target);
         #[cfg(target_os = "linux")]
         if let Some(file) = linux::nameless(folder) {
+            let _ = file.lock();
             return Ok(NewFile { target: target.to_owned(), kind: Kind::Nameless(file) });
         }
-        Ok(NewFile { target: target.to_owned(), kind: Kind::Named(named(folder)?) })
+        Ok(NewFile { target: target.to_owned(), kind: Kind::Named(locked(folder)?) })
     }
 
     /// Gives it its name, durably, in place of an older file.
@@ -98,9 +124,20 @@ impl Write for NewFile {
     }
 }
 
+/// A temporary file that is held against [`clear_leftovers`], which may have taken it before it was locked.
+fn locked(folder: &Path) -> io::Result<NamedTempFile> {
+    loop {
+        let file = named(folder)?;
+        let _ = file.as_file().lock();
+        if file.path().exists() {
+            return Ok(file);
+        }
+    }
+}
+
 fn named(folder: &Path) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".volmap-").suffix(".part");
+    builder.prefix(PREFIX).suffix(SUFFIX);
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     builder.tempfile_in(folder)
@@ -134,7 +171,8 @@ mod linux {
             return Ok(());
         }
         let own_name = super::named(folder)?.into_temp_path();
-        std::fs::remove_file(&own_name)?;
+        // The name alone is wanted; `clear_leftovers` may have removed its file.
+        let _ = std::fs::remove_file(&own_name);
         link_to(&own_name)?;
         Ok(rename(&*own_name, target)?)
     }
@@ -163,5 +201,21 @@ mod tests {
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2, "nothing of an unfinished one");
         assert!(publish(b"x", folder.path()).is_err());
         assert!(publish(b"x", &folder.path().join("missing/target")).is_err());
+    }
+    #[test]
+    fn leftovers_go_and_files_at_work_stay() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        std::fs::write(at(".volmap-left.part"), "x").unwrap();
+        std::fs::write(at("other.part"), "x").unwrap();
+        std::fs::create_dir(at(".volmap-folder.part")).unwrap();
+        let mut at_work = locked(folder.path()).unwrap();
+        at_work.write_all(b"x").unwrap();
+        assert_eq!(clear_leftovers(folder.path()).unwrap(), 1);
+        assert!(!at(".volmap-left.part").exists() && at("other.part").exists());
+        assert!(at_work.path().exists());
+        let path = at_work.into_temp_path().keep().unwrap();
+        assert_eq!((clear_leftovers(folder.path()).unwrap(), path.exists()), (1, false), "its program is gone");
+        assert!(clear_leftovers(&at("missing")).is_err());
     }
 }

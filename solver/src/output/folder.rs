@@ -12,6 +12,7 @@ use crate::error::Error;
 use serde::{Deserialize, Serialize};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
+use volmap_formats::asset::clear_leftovers;
 use volmap_formats::mesh::TriangleMesh;
 
 /// What is written.
@@ -103,6 +104,8 @@ impl Output {
         for (name, _) in needed.into_iter().filter(|(_, needed)| *needed) {
             let folder = folder.join(name);
             std::fs::create_dir_all(&folder).map_err(io_error(&folder))?;
+            // A run that was killed may have left parts of files.
+            clear_leftovers(&folder).map_err(io_error(&folder))?;
         }
         let mut files = Vec::new();
         for (number, (name, mesh)) in bodies.iter().enumerate() {
