@@ -9,6 +9,7 @@
 
 pub mod area_map;
 pub mod bake;
+pub mod batch;
 pub mod density_map;
 pub mod describe;
 pub mod error;
