@@ -1,5 +1,6 @@
 //! The command line: raw arguments, then validated options.
 
+pub mod batch;
 pub mod exchange;
 pub mod outline;
 pub mod report;
@@ -34,6 +35,13 @@ pub enum Command {
     Bake(Box<BakeArguments>),
     /// Bake closed lines in the plane (OBJ with `l`) into an HDF5 map in two dimensions
     BakeOutline(Box<outline::OutlineArguments>),
+    /// Bake many meshes into a folder of assets: only what changed, on all cores or several machines
+    Batch(Box<batch::BatchArguments>),
+    /// Check a folder of assets against its manifest, without baking: keys, checksums, gates
+    Verify(batch::VerifyArguments),
+    /// Make assets for a batch, as it says on the standard input
+    #[command(hide = true)]
+    BatchWorker,
     /// Show what stands in an asset
     Info {
         /// Asset
@@ -63,6 +71,17 @@ pub enum Command {
     Import(exchange::ImportArguments),
     /// Repeat the experiments of Bender et al. 2020 and compare the figures; some three minutes
     Reproduce(reproduce::ReproduceArguments),
+    /// Print completions for a shell
+    Completions {
+        /// Shell
+        shell: clap_complete::Shell,
+    },
+    /// Print the manual, or write a page for each command
+    Man {
+        /// Folder for the pages (volmap.1, volmap-bake.1, ...); made if it isn't there
+        #[arg(short, long, value_name = "FOLDER")]
+        output: Option<PathBuf>,
+    },
 }
 
 #[derive(Debug, Args)]

@@ -12,6 +12,7 @@ use crate::sdf::boundary_distance::BoundaryDistance;
 use crate::sdf::sign::SignChoice;
 use crate::sdf::{MeshDistance, SignComparison, SignMethod, compare_signs};
 use crate::tolerance::{Found, Problem, search};
+use crate::work::Work;
 use glam::DVec3;
 use std::time::Instant;
 use volmap_formats::asset::{Array, Asset, Dimension, QuadratureSpec, Rounded};
@@ -111,6 +112,35 @@ pub enum Step {
     Field(Stage),
     /// Comparison of the signs.
     CheckSign,
+}
+
+impl Step {
+    /// In words.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Step::Mesh => "examining the mesh",
+            Step::Field(Stage::Reference(_)) => "measuring the exact volume",
+            Step::Field(Stage::Band(_)) => "finding the band",
+            Step::Field(Stage::Distance(_)) => "sampling the distance",
+            Step::Field(Stage::Volume(_)) => "integrating the volume",
+            Step::Field(Stage::Density(_)) => "computing the density",
+            Step::CheckSign => "comparing the signs",
+        }
+    }
+
+    /// How far it is, if it counts.
+    pub fn work(&self) -> Option<&Work> {
+        match self {
+            Step::Field(
+                Stage::Reference(work)
+                | Stage::Band(work)
+                | Stage::Distance(work)
+                | Stage::Volume(work)
+                | Stage::Density(work),
+            ) => Some(work),
+            Step::Mesh | Step::CheckSign => None,
+        }
+    }
 }
 
 /// Bakes a mesh. `on_plan` sees the plan before anything large is computed, `on_step` the beginning of each step.

@@ -6,6 +6,8 @@ use crate::input::Input;
 use crate::maps::Maps;
 use crate::plan::{GridChoice, Precision};
 use crate::sdf::leaks::leaks;
+use crate::tolerance::MeasuredError;
+use crate::volume_map::quadrature::Rule;
 use glam::DVec3;
 use volmap_formats::asset::{Attributes, Value};
 use volmap_formats::mesh::UpAxis;
@@ -63,13 +65,8 @@ pub fn parameters(input: &Input, summary: &Summary, settings: &BakeSettings) -> 
         ("weld_tolerance", input.weld_tolerance.into()),
     ]);
     if let Some(found) = &summary.tolerance {
-        out.extend(attributes([
-            ("tolerance", found.tolerance.into()),
-            ("volume_error_max", found.error.max.into()),
-            ("volume_error_rms", found.error.rms.into()),
-            ("volume_error_points", count(found.error.points)),
-            ("volume_error_reference", found.reference.to_string().into()),
-        ]));
+        out.insert("tolerance".into(), found.tolerance.into());
+        out.extend(measured_error(&found.error, found.reference));
     }
     if let Some(density) = &map.density {
         out.extend(attributes([
@@ -81,6 +78,23 @@ pub fn parameters(input: &Input, summary: &Summary, settings: &BakeSettings) -> 
         out.insert("max_rounding".into(), rounding.allowed.into());
     }
     out
+}
+
+/// Names of what [`measured_error`] says; the first is that of the largest error.
+pub const VOLUME_ERROR_MAX: &str = "volume_error_max";
+/// Root mean square.
+pub const VOLUME_ERROR_RMS: &str = "volume_error_rms";
+/// Number of points.
+pub const VOLUME_ERROR_POINTS: &str = "volume_error_points";
+
+/// How exact the volume is, as a part of the full ball, and against what.
+pub fn measured_error(error: &MeasuredError, reference: Rule) -> Attributes {
+    attributes([
+        (VOLUME_ERROR_MAX, error.max.into()),
+        (VOLUME_ERROR_RMS, error.rms.into()),
+        (VOLUME_ERROR_POINTS, count(error.points)),
+        ("volume_error_reference", reference.to_string().into()),
+    ])
 }
 
 /// Where the map comes from.

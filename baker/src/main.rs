@@ -1,13 +1,14 @@
 //! The `volmap` program: parses, reports progress, maps errors to exit codes. All else is in the library.
 
 mod args;
+mod batch_progress;
 mod progress;
 mod run;
 
 use anyhow::Result;
 use args::{Arguments, Command};
 use clap::Parser;
-use run::{bake, exchange, outline, query, report, reproduce, slice};
+use run::{bake, batch, exchange, manual, outline, query, report, reproduce, slice};
 use std::io;
 use std::path::Path;
 use std::process::ExitCode;
@@ -28,6 +29,9 @@ fn run(command: Command) -> Result<ExitCode> {
     match command {
         Command::Bake(arguments) => bake::run_bake(&arguments)?,
         Command::BakeOutline(arguments) => outline::run_bake_outline(&arguments)?,
+        Command::Batch(arguments) => return Ok(batch::run_batch(&arguments)),
+        Command::Verify(arguments) => return Ok(batch::run_verify(&arguments)),
+        Command::BatchWorker => batch::run_worker()?,
         Command::Info { asset, json } => query::run_info(&asset, json)?,
         Command::Query { asset, points, json } => query::run_query(&asset, &points, json)?,
         Command::Report(arguments) => return report::run_report(&arguments),
@@ -35,6 +39,8 @@ fn run(command: Command) -> Result<ExitCode> {
         Command::Export(arguments) => exchange::run_export(&arguments)?,
         Command::Import(arguments) => exchange::run_import(&arguments)?,
         Command::Reproduce(arguments) => reproduce::run_reproduce(&arguments)?,
+        Command::Completions { shell } => manual::run_completions(shell),
+        Command::Man { output } => manual::run_man(output.as_deref())?,
     }
     Ok(ExitCode::SUCCESS)
 }

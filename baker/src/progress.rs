@@ -6,7 +6,6 @@ use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
 use std::thread::JoinHandle;
 use std::time::Duration;
 use volmap_baker::bake::Step;
-use volmap_baker::maps::Stage;
 use volmap_baker::plan::Plan;
 use volmap_baker::report;
 use volmap_baker::reproduce;
@@ -56,7 +55,7 @@ impl Progress {
 
     /// Names the step.
     pub fn step(&self, step: Step) {
-        self.show(describe(step));
+        self.show((step.name(), step.work().cloned()));
     }
 
     /// Names the step of a report.
@@ -139,16 +138,4 @@ fn bar(name: &'static str, work: Option<&Work>) -> ProgressBar {
     bar.set_style(style);
     bar.set_message(name);
     bar
-}
-
-fn describe(step: Step) -> Shown {
-    match step {
-        Step::Mesh => ("examining the mesh", None),
-        Step::Field(Stage::Reference(work)) => ("measuring the exact volume", Some(work)),
-        Step::Field(Stage::Band(work)) => ("finding the band", Some(work)),
-        Step::Field(Stage::Distance(work)) => ("sampling the distance", Some(work)),
-        Step::Field(Stage::Volume(work)) => ("integrating the volume", Some(work)),
-        Step::Field(Stage::Density(work)) => ("computing the density", Some(work)),
-        Step::CheckSign => ("comparing the signs", None),
-    }
 }

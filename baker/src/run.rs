@@ -1,7 +1,9 @@
 //! Subcommands: files in, files out, and what is said in between.
 
 pub mod bake;
+pub mod batch;
 pub mod exchange;
+pub mod manual;
 pub mod outline;
 pub mod query;
 pub mod report;

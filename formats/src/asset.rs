@@ -161,13 +161,21 @@ pub fn publish(path: &Path, bytes: &[u8]) -> Result<(), AssetError> {
     publish::publish(bytes, path).map_err(|error| AssetError::Io(error).in_file(path))
 }
 
-/// Writes an asset: to a scratch file in the system's temporary folder, read back and compared; then the file at
-/// `path` appears whole.
-/// The bytes are a function of the asset and the compression alone.
+/// Writes an asset: the file of [`encode`]'s bytes at `path` appears whole.
 ///
 /// # Errors
 /// A folder that can't be written to. An existing file at `path` stays as it was.
 #[cfg(feature = "write")]
 pub fn write(path: &Path, asset: &Asset, compression: Compression) -> Result<(), AssetError> {
-    write::write_file(path, &schema::tree_from_asset(asset), compression).map_err(|error| error.in_file(path))
+    publish(path, &encode(asset, compression).map_err(|error| error.in_file(path))?)
+}
+
+/// The bytes of an asset's file: written to a scratch file in the system's temporary folder, read back and compared.
+/// They are a function of the asset and the compression alone.
+///
+/// # Errors
+/// An asset that would be refused when read; no room for the scratch file.
+#[cfg(feature = "write")]
+pub fn encode(asset: &Asset, compression: Compression) -> Result<Vec<u8>, AssetError> {
+    write::encode(&schema::tree_from_asset(asset), compression)
 }

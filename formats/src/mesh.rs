@@ -14,7 +14,7 @@
 //! Skins and morph targets of glTF are not applied.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 mod binary;
 pub mod budget;
@@ -90,6 +90,16 @@ pub fn read_bytes(path: &Path) -> Result<Vec<u8>, MeshError> {
 /// A [`MeshError`] that names the file.
 pub fn parse_mesh(path: &Path, bytes: &[u8]) -> Result<RawMesh, MeshError> {
     parse_file(path, bytes).map_err(|error| error.in_file(path))
+}
+
+/// Other files that a mesh file's geometry is in, relative to its folder: the buffers of a glTF. They need not exist.
+pub fn references(format: MeshFormat, bytes: &[u8]) -> Vec<PathBuf> {
+    match format {
+        MeshFormat::Gltf | MeshFormat::Glb => {
+            guard::contain(format, || Ok(gltf::buffer_files(bytes))).unwrap_or_default()
+        }
+        _ => Vec::new(),
+    }
 }
 
 fn file_bytes(path: &Path) -> Result<Vec<u8>, MeshError> {

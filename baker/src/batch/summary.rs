@@ -1,8 +1,8 @@
 //! What came of a batch, for people and for programs: `summary.json`.
 
+use crate::content_key::Identity;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
 
 /// Version of `summary.json`.
 pub const SUMMARY_VERSION: u32 = 1;
@@ -122,22 +122,6 @@ pub struct AssetReport {
     pub preview: Option<String>,
     /// Page with errors and their causes, relative to the folder of this file.
     pub report: Option<String>,
-}
-
-/// What an asset's bytes follow from. The content key is a hash of all of it.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Identity {
-    /// The content key: BLAKE3 of the rest, which stands in the asset too.
-    pub key: String,
-    /// BLAKE3 of the mesh file.
-    pub mesh: String,
-    /// BLAKE3 of the files that the mesh file refers to, by the names that it gives them.
-    pub references: BTreeMap<String, String>,
-    /// Every parameter, given or by default.
-    pub parameters: BTreeMap<String, String>,
-    /// Version of the algorithm.
-    pub algorithm: u32,
 }
 
 /// What an asset is like.

@@ -6,7 +6,6 @@
 
 use super::error::AssetError;
 use super::filters;
-use super::publish::publish;
 use super::read::read_tree;
 use super::schema::asset_from_tree;
 use super::tree::{Array, Attributes, Dataset, Tree, Value};
@@ -33,8 +32,8 @@ impl Default for Compression {
 /// Elements of a chunk along its first axis times the other axes.
 const CHUNK_ELEMENTS: usize = 1 << 16;
 
-/// Writes to a scratch file, reads that back, and only then makes the file.
-pub(super) fn write_file(path: &Path, tree: &Tree, compression: Compression) -> Result<(), AssetError> {
+/// Writes to a scratch file and reads that back.
+pub(super) fn encode(tree: &Tree, compression: Compression) -> Result<Vec<u8>, AssetError> {
     let bytes = to_bytes(tree, compression).map_err(|error| error.in_file(&std::env::temp_dir()))?;
     let groups: Vec<&str> = tree.groups.keys().map(String::as_str).collect();
     let datasets: Vec<&str> = tree.datasets.keys().map(String::as_str).collect();
@@ -45,7 +44,7 @@ pub(super) fn write_file(path: &Path, tree: &Tree, compression: Compression) -> 
     if !same {
         return Err(AssetError::Container("what was written doesn't read back".into()));
     }
-    Ok(publish(&bytes, path)?)
+    Ok(bytes)
 }
 
 /// That crate writes files only. This one needn't outlast a power cut, nor leave the system's cache.

@@ -7,7 +7,7 @@ mod accessor;
 mod json;
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use self::accessor::Buffers;
 use self::json::{Asset, Node, Primitive, Root};
@@ -53,6 +53,21 @@ pub fn read(bytes: &[u8], format: MeshFormat, folder: Option<&Path>) -> Result<R
         scene.add_mesh(&mut raw, mesh, &affine)?;
     }
     Ok(raw)
+}
+
+/// Files in the model's folder that hold its buffers, in the file's order, each once. Nothing of a file that can't be read.
+pub fn buffer_files(bytes: &[u8]) -> Vec<PathBuf> {
+    let json = match bytes.starts_with(b"glTF") {
+        true => glb(bytes, MeshFormat::Glb).map_or(&[][..], |(json, _)| json),
+        false => bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes),
+    };
+    let root: Root = serde_json::from_slice(json).unwrap_or_default();
+    let mut files = Vec::new();
+    for uri in root.buffers.iter().filter_map(|buffer| buffer.uri.as_deref()) {
+        let file = if uri.starts_with("data:") { None } else { accessor::local_path(uri) };
+        files.extend(file.filter(|file| !files.contains(file)));
+    }
+    files
 }
 
 /// The JSON chunk and the binary one.
@@ -292,4 +307,18 @@ fn add_triangles(raw: &mut RawMesh, mode: u32, first: u32, indices: &[u32], mirr
     }
     let complete = if mode == 4 { indices.len().is_multiple_of(3) } else { indices.len() > 2 };
     raw.skipped.other += usize::from(!complete);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn buffer_files_are_named_once_and_stay_in_the_folder() {
+        let text = br#"{"asset": {"version": "2.0"}, "buffers": [{"byteLength": 1, "uri": "a%20b.bin"},
+            {"byteLength": 1, "uri": "data:,x"}, {"byteLength": 1, "uri": "a%20b.bin"}, {"byteLength": 1},
+            {"byteLength": 1, "uri": "../up.bin"}, {"byteLength": 1, "uri": "sub/c.bin"}]}"#;
+        assert_eq!(buffer_files(text), [PathBuf::from("a b.bin"), PathBuf::from("sub/c.bin")]);
+        assert!(buffer_files(b"{").is_empty() && buffer_files(b"glTF").is_empty());
+    }
 }

@@ -261,7 +261,7 @@ impl<'a> Buffers<'a> {
 }
 
 /// A relative path without `..`, percent-decoded. Symbolic links are the user's own business.
-fn local_path(uri: &str) -> Option<PathBuf> {
+pub fn local_path(uri: &str) -> Option<PathBuf> {
     let mut bytes = Vec::new();
     let mut rest = uri.bytes();
     while let Some(byte) = rest.next() {

@@ -1,0 +1,104 @@
+//! Arguments of `volmap batch` and `volmap verify`.
+
+use super::{byte_size, threads};
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+use volmap_baker::batch::shard;
+use volmap_baker::batch::summary::Shard;
+use volmap_baker::parameters::Parameters;
+
+#[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
+pub struct BatchArguments {
+    /// A manifest (.toml, .json), or meshes and patterns, as 'meshes/**/*.obj'
+    #[arg(value_name = "MANIFEST|MESH", required_unless_present_any = ["schema", "merge"])]
+    pub inputs: Vec<String>,
+    /// Folder of the assets; made if it isn't there
+    #[arg(short, long, value_name = "FOLDER", required_unless_present_any = ["schema", "merge"])]
+    pub out: Option<PathBuf>,
+    /// Only assets with one of these tags
+    #[arg(long, value_name = "TAG")]
+    pub tag: Vec<String>,
+    /// Say what would be made, and what it costs, and make nothing
+    #[arg(long)]
+    pub check: bool,
+    /// Say of every asset why it is made or not
+    #[arg(long)]
+    pub explain: bool,
+    /// Make everything anew
+    #[arg(long)]
+    pub rebuild: bool,
+    /// Remove assets that earlier batches made and the manifest has no more
+    #[arg(long, conflicts_with_all = ["shard", "tag"])]
+    pub prune: bool,
+    /// Folder of assets by their content keys, which several machines may share
+    #[arg(long, value_name = "FOLDER")]
+    pub cache: Option<PathBuf>,
+
+    /// Do part I of N: I/N, from 1; auto, or auto/N: as an array job's environment says (Slurm, AWS Batch, Kubernetes, OpenCue)
+    #[arg(long, value_name = "I/N", value_parser = shard_of, help_heading = "Several machines")]
+    pub shard: Option<Shard>,
+    /// Join the summaries of all shards in this folder, and end
+    #[arg(long, value_name = "FOLDER", conflicts_with_all = ["inputs", "out", "shard", "check"], help_heading = "Several machines")]
+    pub merge: Option<PathBuf>,
+
+    /// Assets in work at once [default: as many as threads]
+    #[arg(short, long, value_name = "N", value_parser = threads, help_heading = "Program")]
+    pub jobs: Option<usize>,
+    /// Threads of all jobs together [default: all processors]
+    #[arg(long, value_name = "N", value_parser = threads, help_heading = "Program")]
+    pub threads: Option<usize>,
+    /// Memory of all jobs together, as 4GiB or 500MB [default: three quarters of what is free]
+    #[arg(long, value_name = "BYTES", value_parser = byte_size, help_heading = "Program")]
+    pub max_memory: Option<u64>,
+    /// Seconds for an asset, unless the manifest says otherwise
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, help_heading = "Program")]
+    pub timeout: Option<f64>,
+    /// Form of what is printed: a line an asset, or a JSON object an asset
+    #[arg(long, value_enum, default_value_t, value_name = "FORM", help_heading = "Program")]
+    pub log: Log,
+    /// Print the JSON Schema of manifests and end
+    #[arg(long, help_heading = "Program")]
+    pub schema: bool,
+    /// Print nothing but what failed
+    #[arg(short, long, help_heading = "Program")]
+    pub quiet: bool,
+
+    #[command(flatten)]
+    pub parameters: Parameters,
+}
+
+/// Form of what is printed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Log {
+    #[default]
+    Text,
+    Json,
+}
+
+#[derive(Debug, Args)]
+pub struct VerifyArguments {
+    /// Folder of the assets
+    pub folder: PathBuf,
+    /// Manifest [default: the one that the folder's summary names]
+    #[arg(long, value_name = "FILE")]
+    pub manifest: Option<PathBuf>,
+    /// As JSON
+    #[arg(long)]
+    pub json: bool,
+    /// Threads [default: all processors]
+    #[arg(long, value_name = "N", value_parser = threads)]
+    pub threads: Option<usize>,
+    /// Print nothing but what is wrong
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+fn shard_of(text: &str) -> Result<Shard, String> {
+    shard::parse(text, &|name| std::env::var(name))
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    let seconds = text.parse().ok().filter(|seconds: &f64| *seconds > 0.0 && seconds.is_finite());
+    seconds.ok_or_else(|| "give a number of seconds above 0".into())
+}

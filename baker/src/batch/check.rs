@@ -1,0 +1,97 @@
+//! A batch before it is run: what would be made, and what it would cost.
+
+use super::assets::Expanded;
+use super::crew::Crew;
+use super::engine::{Settings, costs, decisions};
+use super::job::Cost;
+use super::journal::records;
+use super::schedule::{Schedule, Turn};
+use super::shard::partition;
+use super::state::Action;
+use crate::error::Error;
+use std::sync::atomic::AtomicBool;
+
+/// What would come of a batch.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Check {
+    /// Each asset.
+    pub assets: Vec<Checked>,
+    /// Wall time of those that would be made, seconds.
+    pub seconds: f64,
+    /// Most memory at once, bytes.
+    pub memory: u64,
+    /// Size of their files, bytes.
+    pub files: u64,
+}
+
+/// What would come of an asset.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Checked {
+    /// Its name.
+    pub name: String,
+    /// Why it would be made; none if it would stay.
+    pub reason: Option<String>,
+    /// What it would cost, or why it can't be made.
+    pub cost: Result<Cost, String>,
+}
+
+/// Looks at everything and makes nothing.
+///
+/// # Errors
+/// A worker that can't be started.
+pub fn check(expanded: &Expanded, settings: &Settings, stop: &AtomicBool) -> Result<Check, Error> {
+    let mut crew = Crew::new(&settings.worker, settings.jobs, settings.max_memory, stop);
+    let costs = costs(&expanded.assets, settings, &mut crew)?;
+    let known: Vec<Option<Cost>> = costs.iter().map(|cost| cost.as_ref().ok().copied()).collect();
+    let own: Vec<usize> = match settings.shard {
+        Some(part) => {
+            let shards = partition(&known, part.count);
+            (0..costs.len()).filter(|&index| shards[index] + 1 == part.index).collect()
+        }
+        None => (0..costs.len()).collect(),
+    };
+    let assets: Vec<_> = own.iter().map(|&index| &expanded.assets[index]).collect();
+    let decisions = decisions(&assets, settings, &records(&settings.places.out, settings.shard));
+    let checked = own.iter().zip(&assets).zip(decisions).map(|((&index, asset), decision)| {
+        let (reason, fault) = match decision.action {
+            Action::Keep(_) => (None, None),
+            Action::Make(reason, _) => (Some(reason), None),
+            Action::Fail(error) => (Some(String::new()), Some(error)),
+        };
+        let cost = fault.map_or_else(|| within(&costs[index], settings.max_memory), Err);
+        Checked { name: asset.name.clone(), reason, cost }
+    });
+    let assets: Vec<Checked> = checked.collect();
+    let made = assets.iter().filter(|asset| asset.reason.is_some());
+    let to_make: Vec<Cost> = made.filter_map(|asset| asset.cost.as_ref().ok().copied()).collect();
+    let (seconds, memory) = simulate(&to_make, settings);
+    Ok(Check { assets, seconds, memory, files: to_make.iter().map(|cost| cost.file).sum() })
+}
+
+fn within(cost: &Result<Cost, String>, allowed: u64) -> Result<Cost, String> {
+    match cost {
+        Ok(cost) if cost.memory > allowed => {
+            Err(Error::Memory { needed: cost.memory, allowed }.to_string())
+        }
+        other => other.clone(),
+    }
+}
+
+/// Wall time and memory of a schedule, if the estimates were exact and threads didn't hinder each other.
+fn simulate(costs: &[Cost], settings: &Settings) -> (f64, u64) {
+    let numbered: Vec<(usize, Cost)> = costs.iter().copied().enumerate().collect();
+    let mut schedule = Schedule::new(&numbered, settings.jobs, settings.threads, settings.max_memory);
+    let mut running: Vec<(f64, Turn)> = Vec::new();
+    let (mut now, mut most) = (0.0, 0);
+    loop {
+        while let Some(turn) = schedule.next() {
+            running.push((now + costs[turn.index].seconds / turn.threads as f64, turn));
+        }
+        most = most.max(running.iter().map(|(_, turn)| turn.memory).sum());
+        let first = running.iter().enumerate().min_by(|(_, a), (_, b)| a.0.total_cmp(&b.0));
+        let Some(first) = first.map(|(at, _)| at) else { return (now, most) };
+        let (end, turn) = running.swap_remove(first);
+        now = end;
+        schedule.finished(&turn);
+    }
+}

@@ -1,0 +1,119 @@
+//! What a batch and its workers say to each other, a line of JSON each: jobs one way, replies the other.
+
+use super::manifest::Gates;
+use super::summary::Figures;
+use crate::content_key::Identity;
+use crate::parameters::Parameters;
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+
+/// Something for a worker to do.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Job {
+    /// What.
+    pub task: Task,
+    /// With so many threads.
+    pub threads: usize,
+}
+
+/// What a worker can do.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub enum Task {
+    /// Find what an asset will cost.
+    Estimate(Subject),
+    /// Make an asset and all that belongs to it.
+    Make(Box<Order>),
+}
+
+/// A mesh and how it becomes an asset.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Subject {
+    /// The mesh file.
+    pub mesh: PathBuf,
+    /// Effective parameters.
+    pub parameters: Parameters,
+    /// Points at which the volume's error is measured.
+    pub error_points: u32,
+}
+
+/// An asset to be made.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Order {
+    /// Of what.
+    pub subject: Subject,
+    /// What its bytes follow from.
+    pub identity: Identity,
+    /// What it must be to be taken.
+    pub gates: Gates,
+    /// Bytes that the bake's estimate may reach.
+    pub max_memory: u64,
+    /// Files that may hold the same asset.
+    pub candidates: Vec<PathBuf>,
+    /// Where things go.
+    pub files: Files,
+}
+
+/// Where an asset and what belongs to it go; folders are made when they are needed.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Files {
+    /// The asset.
+    pub output: PathBuf,
+    /// The asset, if a gate refuses it.
+    pub rejected: PathBuf,
+    /// Its place in the cache, if there is one.
+    pub cached: Option<PathBuf>,
+    /// Its picture.
+    pub preview: PathBuf,
+    /// Its report without the ending `.html` or `.json`, if there shall be one.
+    pub report: Option<PathBuf>,
+}
+
+/// What a worker says.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub enum Reply {
+    /// A step of the job begins.
+    Step(String),
+    /// The cost.
+    Estimated(Cost),
+    /// The asset lies where it should.
+    Made(Box<Made>),
+    /// The job failed.
+    Failed {
+        /// Why.
+        error: String,
+        /// Because there is no room for files.
+        disk_full: bool,
+    },
+}
+
+/// What an asset costs, about.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Cost {
+    /// Seconds on one thread.
+    pub seconds: f64,
+    /// Memory at its peak, bytes.
+    pub memory: u64,
+    /// Size of the file, bytes.
+    pub file: u64,
+}
+
+/// What came of an order.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Made {
+    /// Not baked, but taken from this candidate.
+    pub from: Option<PathBuf>,
+    /// Gates that refused it.
+    pub failed_gates: Vec<String>,
+    /// What it is like.
+    pub figures: Figures,
+    /// Size of its file.
+    pub bytes: u64,
+    /// BLAKE3 of its file.
+    pub file_blake3: String,
+    /// Wall time, seconds.
+    pub seconds: f64,
+    /// Most memory of the worker during the job, bytes, where the system tells.
+    pub peak_memory: Option<u64>,
+    /// What went wrong without harm to the asset.
+    pub notes: Vec<String>,
+}

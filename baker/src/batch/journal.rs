@@ -1,0 +1,108 @@
+//! What a batch has done so far, a line of JSON an asset: a killed one leaves it to the next. It is also the lock that
+//! keeps two batches out of one folder.
+
+use super::places::of_shard;
+use super::summary::{AssetReport, Shard, Summary};
+use crate::error::Error;
+use std::collections::BTreeMap;
+use std::fs::{File, TryLockError};
+use std::io::{BufRead, BufReader, Seek, Write};
+use std::path::{Component, Path, PathBuf};
+
+/// The journal of a batch at work.
+pub struct Journal {
+    path: PathBuf,
+    file: File,
+}
+
+/// What is known of assets from earlier batches, by their names.
+pub type Records = BTreeMap<String, AssetReport>;
+
+impl Journal {
+    /// Begins, and says what earlier batches knew: their summaries, and what the journal of one that was killed holds.
+    ///
+    /// # Errors
+    /// A folder that can't be written to, or in which another batch is at work.
+    pub fn open(out: &Path, shard: Option<Shard>) -> Result<(Journal, Records), Error> {
+        let path = path(out, shard);
+        let io = |source| Error::Io { path: path.clone(), source };
+        let file = File::options().read(true).append(true).create(true).open(&path).map_err(io)?;
+        if let Err(TryLockError::WouldBlock) = file.try_lock() {
+            return Err(Error::Import {
+                path: out.to_owned(),
+                reason: "another batch is at work in this folder; wait for it, or take another --out".into(),
+            });
+        }
+        let records = records(out, shard);
+        let mut journal = Journal { path, file };
+        if journal.file.metadata().is_ok_and(|found| found.len() > 0) {
+            journal.write(b"\n")?;
+        }
+        Ok((journal, records))
+    }
+
+    /// Notes an asset.
+    ///
+    /// # Errors
+    /// A disk that is full.
+    pub fn note(&mut self, report: &AssetReport) -> Result<(), Error> {
+        let mut line = serde_json::to_vec(report).expect("plain data");
+        line.push(b'\n');
+        self.write(&line)
+    }
+
+    /// All of it stands in a summary now.
+    ///
+    /// # Errors
+    /// The system's.
+    pub fn end(mut self) -> Result<(), Error> {
+        let emptied = self.file.set_len(0).and_then(|()| self.file.rewind());
+        emptied.map_err(|source| Error::Io { path: self.path.clone(), source })
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> Result<(), Error> {
+        self.file.write_all(bytes).map_err(|source| Error::Io { path: self.path.clone(), source })
+    }
+}
+
+/// What earlier batches in a folder knew.
+pub fn records(out: &Path, shard: Option<Shard>) -> Records {
+    let mut records = of_summaries(out);
+    if let Ok(file) = File::open(path(out, shard)) {
+        // The last line of a killed batch may be a part of one.
+        let lines = BufReader::new(file).lines().map_while(Result::ok);
+        let reports = lines.filter_map(|line| serde_json::from_str::<AssetReport>(&line).ok());
+        records.extend(reports.map(|report| (report.name.clone(), report)));
+    }
+    records.retain(|name, _| stays_inside(name));
+    records
+}
+
+fn path(out: &Path, shard: Option<Shard>) -> PathBuf {
+    out.join(of_shard(".volmap-batch", "jsonl", shard))
+}
+
+/// Of the batch's summary and of its shards'. One that can't be read is as good as none: assets are looked at instead.
+fn of_summaries(out: &Path) -> Records {
+    let names = std::fs::read_dir(out).into_iter().flatten().filter_map(|entry| entry.ok()?.file_name().into_string().ok());
+    let mut names: Vec<String> = names
+        .filter(|name| name.starts_with("summary.") && name.ends_with(".json"))
+        .collect();
+    // The older the less it counts; the whole batch's comes last.
+    let age = |name: &String| std::fs::metadata(out.join(name)).and_then(|found| found.modified()).ok();
+    names.sort_by_key(|name| (age(name), name.clone()));
+    let mut records = Records::new();
+    for name in names {
+        let text = std::fs::read_to_string(out.join(name)).unwrap_or_default();
+        let summary: Summary = serde_json::from_str(&text).unwrap_or_default();
+        // What had no turn or failed says nothing of the asset that lies there.
+        let known = summary.assets.into_iter().filter(|report| report.file_blake3.is_some());
+        records.extend(known.map(|report| (report.name.clone(), report)));
+    }
+    records
+}
+
+/// Names are paths in the folder; what a strange summary says may lead anywhere.
+fn stays_inside(name: &str) -> bool {
+    !name.is_empty() && Path::new(name).components().all(|part| matches!(part, Component::Normal(_)))
+}

@@ -1,0 +1,91 @@
+//! Progress of a batch on a terminal: a bar for all, a line for each worker.
+
+use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::io::{IsTerminal, Write};
+use std::time::Duration;
+use volmap_baker::batch::engine::Event;
+
+/// Shows how far a batch is.
+pub struct BatchProgress {
+    /// On a terminal only.
+    bars: Option<Bars>,
+}
+
+struct Bars {
+    all: MultiProgress,
+    overall: ProgressBar,
+    seats: Vec<ProgressBar>,
+}
+
+impl BatchProgress {
+    /// Bars on a terminal; nothing elsewhere.
+    pub fn new(quiet: bool) -> BatchProgress {
+        let visible = !quiet && std::io::stderr().is_terminal();
+        BatchProgress { bars: visible.then(Bars::new) }
+    }
+
+    /// Prints a line above the bars.
+    pub fn print(&self, line: &str) {
+        let print = || {
+            // Whoever read may have had enough; the batch goes on.
+            let _ = writeln!(std::io::stdout().lock(), "{line}");
+        };
+        match &self.bars {
+            Some(bars) => bars.all.suspend(print),
+            None => print(),
+        }
+    }
+
+    /// Shows what happens.
+    pub fn event(&mut self, event: &Event) {
+        if let Some(bars) = &mut self.bars {
+            bars.event(event);
+        }
+    }
+
+    /// Takes the bars away.
+    pub fn finish(&mut self) {
+        if let Some(bars) = self.bars.take() {
+            let _ = bars.all.clear();
+        }
+    }
+}
+
+impl Bars {
+    fn new() -> Bars {
+        let all = MultiProgress::with_draw_target(ProgressDrawTarget::stderr());
+        let overall = all.add(ProgressBar::new(0));
+        let style = ProgressStyle::with_template("{msg} {bar:30} {pos} of {len}, {elapsed}, {eta} left");
+        overall.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+        overall.set_message("comparing");
+        overall.enable_steady_tick(Duration::from_millis(200));
+        Bars { all, overall, seats: Vec::new() }
+    }
+
+    fn event(&mut self, event: &Event) {
+        match event {
+            Event::Checked { assets, .. } => {
+                self.overall.set_length(*assets as u64);
+                self.overall.set_message("estimating");
+            }
+            Event::Estimated(_) => self.overall.set_message("baking"),
+            Event::Begun { seat, name } => self.seat(*seat).set_message((*name).to_owned()),
+            Event::Step { seat, name, step } => self.seat(*seat).set_message(format!("{name}: {step}")),
+            Event::Finished { seat, .. } => {
+                self.overall.inc(1);
+                if let Some(seat) = seat {
+                    self.seat(*seat).set_message("");
+                }
+            }
+        }
+    }
+
+    fn seat(&mut self, seat: usize) -> &ProgressBar {
+        while self.seats.len() <= seat {
+            let bar = self.all.add(ProgressBar::new_spinner());
+            bar.set_style(ProgressStyle::with_template("  {msg}").unwrap_or_else(|_| ProgressStyle::default_bar()));
+            self.seats.push(bar);
+        }
+        &self.seats[seat]
+    }
+}
