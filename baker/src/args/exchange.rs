@@ -1,11 +1,11 @@
 //! Arguments of `export` and `import`.
 
-use super::{Vector, resolution};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use volmap_baker::export::lattice::LatticeChoice;
 use volmap_baker::export::{ExportSettings, Field};
 use volmap_baker::import::ImportSettings;
+use volmap_baker::parameters::Resolution;
 use volmap_formats::asset::Exterior;
 
 #[derive(Debug, Args)]
@@ -21,8 +21,8 @@ pub struct ExportArguments {
     #[arg(long, value_enum)]
     field: Option<FieldName>,
     /// VTI, PLY: steps along each axis of the domain: N, or NX,NY,NZ [default: VTI the cells, PLY thirds of them]
-    #[arg(long, value_name = "N", value_parser = resolution, conflicts_with = "cell_size")]
-    resolution: Option<Vector<u32>>,
+    #[arg(long, value_name = "N", conflicts_with = "cell_size")]
+    resolution: Option<Resolution>,
     /// VTI, PLY: length of the steps, metres
     #[arg(long, value_name = "LENGTH")]
     cell_size: Option<f64>,
@@ -67,7 +67,7 @@ impl ExportArguments {
             FieldName::Distance => Field::Distance,
             FieldName::Volume => Field::Volume,
         };
-        let steps = self.resolution.map(|Vector(steps)| LatticeChoice::Resolution(steps));
+        let steps = self.resolution.map(|Resolution(steps)| LatticeChoice::Resolution(steps));
         ExportSettings {
             field: self.field.map(field),
             lattice: steps.or(self.cell_size.map(LatticeChoice::CellSize)),

@@ -1,6 +1,6 @@
 //! Options of `volmap bake-outline`.
 
-use super::{CompressionName, Numbers, PrecisionName, list, numbers, part, precision, threads, unit};
+use super::threads;
 use clap::{ArgGroup, Args};
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -8,7 +8,10 @@ use volmap_baker::area_map::disc::DiscRule;
 use volmap_baker::area_map::outline::OutlinePlacement;
 use volmap_baker::area_map::{AreaDensity, AreaSettings};
 use volmap_baker::density_map::smoothing::Smoothing;
+use volmap_baker::parameters::number::list;
+use volmap_baker::parameters::{CompressionName, Numbers, PrecisionName, RoundingPart, Unit};
 use volmap_baker::plan::GridChoice;
+use volmap_baker::recipe::precision;
 use volmap_formats::asset::Compression;
 
 #[derive(Debug, Args)]
@@ -35,7 +38,7 @@ pub struct OutlineArguments {
     #[arg(long, value_name = "LENGTH", help_heading = "Map")]
     cell_size: Option<f64>,
     /// xmin,ymin,xmax,ymax, metres [default: all within 2 r of the lines]
-    #[arg(long, value_name = "BOX", value_parser = numbers::<4>, allow_hyphen_values = true, help_heading = "Map")]
+    #[arg(long, value_name = "BOX", allow_hyphen_values = true, help_heading = "Map")]
     domain: Option<Numbers<4>>,
     /// Length added to the domain on every side, metres
     #[arg(long, value_name = "LENGTH", default_value_t = 0.0, help_heading = "Map")]
@@ -60,18 +63,18 @@ pub struct OutlineArguments {
     density_quadrature: DiscRule,
 
     /// Unit of the file's lengths: m, cm, mm, in, ft, or metres as a number [default: m]
-    #[arg(long, value_name = "UNIT", value_parser = unit, help_heading = "Outline")]
-    unit: Option<f64>,
+    #[arg(long, value_name = "UNIT", help_heading = "Outline")]
+    unit: Option<Unit>,
     /// Translation: X,Y, metres
-    #[arg(long, value_name = "VECTOR", value_parser = numbers::<2>, allow_hyphen_values = true, help_heading = "Outline")]
+    #[arg(long, value_name = "VECTOR", allow_hyphen_values = true, help_heading = "Outline")]
     translate: Option<Numbers<2>>,
 
     /// Precision of the stored fields
     #[arg(long, value_enum, default_value_t, help_heading = "File")]
     precision: PrecisionName,
     /// Store 16-bit numbers, as `bake` does
-    #[arg(long, value_name = "PART", value_parser = part, conflicts_with = "precision", help_heading = "File")]
-    max_rounding: Option<f64>,
+    #[arg(long, value_name = "PART", conflicts_with = "precision", help_heading = "File")]
+    max_rounding: Option<RoundingPart>,
     /// Compression: zstd, or gzip for readers without plugins
     #[arg(long, value_enum, default_value_t, help_heading = "File")]
     compression: CompressionName,
@@ -109,7 +112,7 @@ impl OutlineArguments {
     /// Where the outline stands.
     pub fn placement(&self) -> OutlinePlacement {
         OutlinePlacement {
-            unit: self.unit.unwrap_or(1.0),
+            unit: self.unit.map_or(1.0, |unit| unit.0),
             translation: self.translate.map_or([0.0; 2], |Numbers(t)| t),
         }
     }
@@ -134,7 +137,7 @@ impl OutlineArguments {
                 rule: self.density_quadrature,
                 ..AreaDensity::default()
             }),
-            precision: precision(self.max_rounding, self.precision),
+            precision: precision(self.max_rounding.map(|part| part.0), self.precision),
         }
     }
 

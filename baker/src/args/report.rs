@@ -1,9 +1,10 @@
 //! Arguments of `volmap report`.
 
-use super::{fraction, threads};
+use super::threads;
 use clap::Args;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
+use volmap_baker::parameters::Part;
 use volmap_baker::report::Settings;
 use volmap_baker::report::shape::Shape;
 
@@ -23,8 +24,8 @@ pub struct ReportArguments {
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
     /// Largest error of the volume in the fluid, as a part of the full ball; above it the exit code is 1
-    #[arg(long, value_name = "PART", value_parser = limit, allow_hyphen_values = true)]
-    max_error: Option<f64>,
+    #[arg(long, value_name = "PART", allow_hyphen_values = true)]
+    max_error: Option<Part>,
     /// The shape that the mesh stands for, in metres: sphere:x,y,z,radius, halfspace:x,y,z,nx,ny,nz or
     /// box:x0,y0,z0,x1,y1,z1; `inverted-` before it for a container
     #[arg(long, value_parser = Shape::from_str, allow_hyphen_values = true)]
@@ -64,7 +65,7 @@ impl ReportArguments {
             gl100_mesh_points: self.gl100_mesh_points,
             seed: self.seed,
             shape: self.shape,
-            max_error: self.max_error,
+            max_error: self.max_error.map(|part| part.0),
             pixels: if self.writes_page() { self.pixels } else { 0 },
         }
     }
@@ -83,11 +84,6 @@ impl ReportArguments {
         name.push(format!(".report.{ending}"));
         name.into()
     }
-}
-
-fn limit(text: &str) -> Result<f64, String> {
-    let part = fraction(text).filter(|part| *part > 0.0 && part.is_finite());
-    part.ok_or_else(|| "give a part of the ball, as 0.5% or 0.005".into())
 }
 
 fn points(text: &str) -> Result<usize, String> {

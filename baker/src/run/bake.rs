@@ -25,15 +25,16 @@ pub fn run_bake(arguments: &BakeArguments) -> Result<()> {
     let writing = exit_between_writes()?;
     let mut progress = Progress::new(arguments.quiet);
     let start = Instant::now();
-    let input = input::load(&arguments.mesh, &arguments.input())?;
+    let recipe = arguments.recipe();
+    let input = input::load(&arguments.mesh, &recipe.input)?;
     let read_seconds = start.elapsed().as_secs_f64();
     let mut baked =
-        bake(input, &arguments.settings(), &mut |plan| progress.plan(plan), &mut |step| progress.step(step))?;
+        bake(input, &recipe.bake, &mut |plan| progress.plan(plan), &mut |step| progress.step(step))?;
     progress.finish();
     let start = Instant::now();
     {
         let mut written = writing.lock().unwrap_or_else(PoisonError::into_inner);
-        asset::write(&output, &baked.asset, arguments.compression())?;
+        asset::write(&output, &baked.asset, recipe.compression)?;
         *written = true;
     }
     baked.summary.seconds.insert(0, ("read", read_seconds));
