@@ -10,6 +10,7 @@
 pub mod area_map;
 pub mod bake;
 pub mod batch;
+pub mod content_key;
 pub mod density_map;
 pub mod describe;
 pub mod error;

@@ -14,7 +14,7 @@ pub struct BatchArguments {
     #[arg(value_name = "MANIFEST|MESH", required_unless_present_any = ["schema", "merge"])]
     pub inputs: Vec<String>,
     /// Folder of the assets; made if it isn't there
-    #[arg(short, long, value_name = "FOLDER", required_unless_present_any = ["schema", "merge"])]
+    #[arg(short, long, value_name = "FOLDER", required_unless_present_any = ["schema", "merge", "list"])]
     pub out: Option<PathBuf>,
     /// Only assets with one of these tags
     #[arg(long, value_name = "TAG")]
@@ -22,6 +22,9 @@ pub struct BatchArguments {
     /// Say what would be made, and what it costs, and make nothing
     #[arg(long)]
     pub check: bool,
+    /// Print name, mesh and tags of every asset, with tabs between, and end
+    #[arg(long, conflicts_with_all = ["check", "shard"])]
+    pub list: bool,
     /// Say of every asset why it is made or not
     #[arg(long)]
     pub explain: bool,

@@ -13,7 +13,7 @@ use volmap_formats::asset::AssetError;
 ///
 /// # Errors
 /// An output that can't be written to; a line that is no job.
-pub fn work(mut output: impl Write) -> io::Result<()> {
+pub fn work(mut output: impl Write + Send) -> io::Result<()> {
     let (sender, jobs) = mpsc::channel();
     std::thread::spawn(move || {
         for line in io::stdin().lock().lines() {

@@ -49,6 +49,9 @@ fn start(arguments: &BatchArguments) -> Result<ExitCode> {
     let (manifest_path, manifest, folder) = read(arguments)?;
     let mut expanded = expand(&manifest, &folder)?;
     select(&mut expanded, &arguments.tag)?;
+    if arguments.list {
+        return list(&expanded);
+    }
     let settings = settings(arguments)?;
     let stop = stop_on_signals()?;
     if arguments.check {
@@ -110,6 +113,14 @@ fn select(expanded: &mut Expanded, tags: &[String]) -> Result<()> {
         bail!("there is nothing to bake{}{notes}", if notes.is_empty() { "" } else { ": " });
     }
     Ok(())
+}
+
+fn list(expanded: &Expanded) -> Result<ExitCode> {
+    let mut out = io::stdout().lock();
+    for asset in &expanded.assets {
+        writeln!(out, "{}\t{}\t{}", asset.name, asset.mesh.display(), asset.tags.join(","))?;
+    }
+    Ok(ExitCode::SUCCESS)
 }
 
 fn settings(arguments: &BatchArguments) -> Result<Settings> {

@@ -1,0 +1,423 @@
+//! `volmap batch` and `volmap verify`, as a pipeline runs them.
+
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::time::Duration;
+
+const VOLMAP: &str = env!("CARGO_BIN_EXE_volmap");
+
+/// A folder with meshes, a manifest and what comes of them.
+struct Place(tempfile::TempDir);
+
+impl Place {
+    /// With these boxes, by name and height, and the rest of the manifest.
+    fn new(boxes: &[(&str, f64)], manifest: &str) -> Place {
+        let place = Place(tempfile::tempdir().unwrap());
+        std::fs::create_dir(place.at("meshes")).unwrap();
+        for (name, height) in boxes {
+            place.write(&format!("meshes/{name}.obj"), &box_mesh(*height));
+        }
+        place.write("assets.toml", &format!("version = 1\n{manifest}"));
+        place
+    }
+
+    fn at(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn write(&self, name: &str, text: &str) {
+        std::fs::write(self.at(name), text).unwrap();
+    }
+
+    fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(VOLMAP);
+        command.current_dir(self.0.path()).args(arguments).stdin(Stdio::null());
+        command.stdout(Stdio::piped()).stderr(Stdio::piped());
+        command
+    }
+
+    fn run(&self, arguments: &[&str]) -> Output {
+        self.command(arguments).output().unwrap()
+    }
+
+    /// `volmap batch assets.toml --out OUT` with more; what it says, and how it ends.
+    fn batch(&self, out: &str, more: &[&str]) -> (Option<i32>, String) {
+        let arguments = [&["batch", "assets.toml", "--out", out][..], more].concat();
+        let done = self.run(&arguments);
+        let text = [done.stdout, done.stderr].map(|bytes| String::from_utf8(bytes).unwrap()).concat();
+        (done.status.code(), text)
+    }
+
+    fn summary(&self, out: &str) -> Value {
+        serde_json::from_slice(&std::fs::read(self.at(out).join("summary.json")).unwrap()).unwrap()
+    }
+
+    /// Outcomes by name.
+    fn outcomes(&self, out: &str) -> BTreeMap<String, String> {
+        let text = |value: &Value| value.as_str().unwrap().to_owned();
+        let summary = self.summary(out);
+        let assets = summary["assets"].as_array().unwrap().iter();
+        assets.map(|asset| (text(&asset["name"]), text(&asset["outcome"]))).collect()
+    }
+
+    fn asset(&self, out: &str, name: &str) -> Value {
+        let summary = self.summary(out);
+        let assets = summary["assets"].as_array().unwrap();
+        assets.iter().find(|asset| asset["name"] == name).unwrap().clone()
+    }
+
+    /// All assets below a folder, by their paths there.
+    fn assets(&self, out: &str) -> BTreeMap<PathBuf, Vec<u8>> {
+        let mut files = BTreeMap::new();
+        collect(&self.at(out), &mut files);
+        files.retain(|path, _| path.extension().is_some_and(|ending| ending == "h5"));
+        let relative = |path: PathBuf| path.strip_prefix(self.at(out)).unwrap().to_owned();
+        files.into_iter().map(|(path, bytes)| (relative(path), bytes)).collect()
+    }
+}
+
+fn collect(folder: &Path, files: &mut BTreeMap<PathBuf, Vec<u8>>) {
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        match path.is_dir() {
+            true => collect(&path, files),
+            false => _ = files.insert(path.clone(), std::fs::read(&path).unwrap()),
+        }
+    }
+}
+
+fn box_mesh(height: f64) -> String {
+    let mut text = String::new();
+    for corner in 0..8 {
+        let z = if corner & 4 == 0 { 0.0 } else { height };
+        writeln!(text, "v {} {} {z}", corner & 1, corner >> 1 & 1).unwrap();
+    }
+    text + "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n"
+}
+
+const SOME: &str = r#"
+[defaults]
+bake = { support_radius = 0.25 }
+error_points = 20
+[[assets]]
+mesh = "meshes/*.obj"
+"#;
+
+fn same(names: &[&str], outcome: &str) -> BTreeMap<String, String> {
+    names.iter().map(|name| ((*name).to_owned(), outcome.to_owned())).collect()
+}
+
+#[test]
+fn only_what_changed_is_made() {
+    let place = Place::new(&[("a", 1.0), ("b", 1.5), ("c", 2.0)], SOME);
+    let (code, text) = place.batch("out", &[]);
+    assert_eq!(code, Some(0), "{text}");
+    assert_eq!(place.outcomes("out"), same(&["a", "b", "c"], "built"));
+    let first = place.assets("out");
+    assert_eq!(first.len(), 3);
+    for file in ["summary.html", "junit.xml", "reports/a.preview.png"] {
+        assert!(place.at("out").join(file).exists(), "{file}");
+    }
+
+    // Nothing; touched; without what was noted.
+    let unchanged = || {
+        assert_eq!(place.batch("out", &[]).0, Some(0));
+        assert_eq!(place.outcomes("out"), same(&["a", "b", "c"], "unchanged"));
+        assert_eq!(place.assets("out"), first);
+    };
+    unchanged();
+    place.write("meshes/a.obj", &box_mesh(1.0));
+    unchanged();
+    std::fs::remove_file(place.at("out/summary.json")).unwrap();
+    unchanged();
+
+    // Changed, corrupted, gone.
+    place.write("meshes/a.obj", &box_mesh(1.25));
+    let mut bytes = std::fs::read(place.at("out/b.h5")).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    std::fs::write(place.at("out/b.h5"), bytes).unwrap();
+    let (_, text) = place.batch("out", &["--explain"]);
+    assert!(text.contains("the mesh has changed"), "{text}");
+    assert!(text.contains("its file is damaged"), "{text}");
+    assert!(text.contains("mesh, parameters and program are the same"), "{text}");
+    let outcomes = place.outcomes("out");
+    assert_eq!([&outcomes["a"], &outcomes["b"], &outcomes["c"]], ["built", "built", "unchanged"]);
+    let second = place.assets("out");
+    assert_ne!(second[Path::new("a.h5")], first[Path::new("a.h5")]);
+    assert_eq!(second[Path::new("b.h5")], first[Path::new("b.h5")]);
+
+    // Another parameter; the reason names it. Its default, said aloud, is no other.
+    place.write("assets.toml", &format!("version = 1\n{}", SOME.replace("0.25", "0.25, padding = 0.0")));
+    place.batch("out", &[]);
+    assert_eq!(place.outcomes("out"), same(&["a", "b", "c"], "unchanged"));
+    place.write("assets.toml", &format!("version = 1\n{}", SOME.replace("0.25", "0.3")));
+    place.batch("out", &[]);
+    assert_eq!(place.asset("out", "c")["reason"], "support_radius: 0.25 -> 0.3");
+
+    // One that was renamed isn't baked again, and is as if it were.
+    std::fs::rename(place.at("meshes/c.obj"), place.at("meshes/d.obj")).unwrap();
+    let (_, text) = place.batch("out", &[]);
+    assert_eq!(place.asset("out", "d")["outcome"], "reused", "{text}");
+    assert!(place.summary("out")["notes"].to_string().contains("c: the manifest has it no more"));
+    place.batch("fresh", &[]);
+    assert_eq!(place.assets("fresh")[Path::new("d.h5")], place.assets("out")[Path::new("d.h5")]);
+    place.batch("out", &["--prune"]);
+    assert_eq!(place.assets("out"), place.assets("fresh"));
+}
+
+#[test]
+fn bad_meshes_fail_alone() {
+    let manifest = SOME.replace("meshes/*.obj", "meshes/*");
+    let place = Place::new(&[("a", 1.0), ("b", 1.5)], &manifest);
+    place.batch("out", &[]);
+    let good = std::fs::read(place.at("out/b.h5")).unwrap();
+    place.write("meshes/b.obj", "v 0 0\nf 1 2 3\n");
+    place.write("meshes/empty.stl", "");
+    place.write("meshes/c.obj", &box_mesh(3.0));
+    let (code, text) = place.batch("out", &[]);
+    assert_eq!(code, Some(1), "{text}");
+    let outcomes = place.outcomes("out");
+    assert_eq!(outcomes["a"], "unchanged");
+    assert_eq!((&*outcomes["b"], &*outcomes["c"], &*outcomes["empty"]), ("failed", "built", "failed"));
+    assert!(place.asset("out", "b")["error"].as_str().unwrap().contains("b.obj"), "{text}");
+    assert_eq!(std::fs::read(place.at("out/b.h5")).unwrap(), good, "the good one before it stays");
+    let junit = std::fs::read_to_string(place.at("out/junit.xml")).unwrap();
+    assert!(junit.contains("<error") && junit.contains("empty"));
+}
+
+#[test]
+fn batches_that_cannot_start_say_so() {
+    let place = Place::new(&[("a", 1.0)], SOME);
+    for (arguments, says) in [
+        (&["batch", "missing.toml", "--out", "out"][..], "missing.toml"),
+        (&["batch", "nothing/*.obj", "--out", "out"], "nothing"),
+        (&["batch", "assets.toml", "--out", "out", "--padding", "1"], "[defaults]"),
+        (&["batch", "assets.toml", "--out", "assets.toml"], "assets.toml"),
+        (&["batch", "assets.toml", "--out", "out", "--tag", "x"], "no asset has this tag"),
+        (&["batch", "--merge", "meshes"], "meshes"),
+        (&["verify", "meshes"], "summary.json"),
+    ] {
+        let done = place.run(arguments);
+        let text = String::from_utf8(done.stderr).unwrap();
+        assert_eq!(done.status.code(), Some(2), "{arguments:?}: {text}");
+        assert!(text.starts_with("error: ") && text.contains(says), "{arguments:?}: {text}");
+    }
+    place.write("assets.toml", "version = 1\n[[assets]]\nmesh = \"meshes/a.obj\"\nbake = { invertt = true }\n");
+    let text = String::from_utf8(place.run(&["batch", "assets.toml", "--out", "out"]).stderr).unwrap();
+    assert!(text.contains("assets.toml:4:10: unknown key `invertt`; did you mean `invert`?"), "{text}");
+    place.write("out.h5", "x");
+    assert!(!place.at("out").exists(), "nothing is made before all is checked");
+}
+
+#[test]
+fn foreign_files_are_not_replaced() {
+    let place = Place::new(&[("a", 1.0)], SOME);
+    let bake = ["bake", "meshes/a.obj", "-o", "out/a.h5", "--support-radius", "0.5", "-q"];
+    std::fs::create_dir(place.at("out")).unwrap();
+    assert!(place.run(&bake).status.success());
+    let before = place.assets("out");
+    let (code, text) = place.batch("out", &[]);
+    assert_eq!(code, Some(1));
+    assert!(text.contains("wasn't made by a batch"), "{text}");
+    assert_eq!(place.assets("out"), before);
+    assert_eq!(place.batch("out", &["--rebuild"]).0, Some(0));
+    assert_ne!(place.assets("out"), before);
+}
+
+#[test]
+fn gates_hold_assets_back() {
+    let strict = format!("{SOME}gates = {{ must_be_closed = true, max_error = \"0.0001%\" }}\n");
+    let place = Place::new(&[("a", 1.0)], SOME);
+    place.batch("out", &[]);
+    let good = place.assets("out");
+    place.write("meshes/a.obj", &box_mesh(1.25).replace("f 2 4 8 6\n", ""));
+    place.write("assets.toml", &format!("version = 1\n{strict}"));
+    let (code, text) = place.batch("out", &[]);
+    assert_eq!((code, &*place.outcomes("out")["a"]), (Some(1), "rejected"), "{text}");
+    let gates = place.asset("out", "a")["failed_gates"].to_string();
+    assert!(gates.contains("must_be_closed") && gates.contains("max_error"), "{gates}");
+    let after = place.assets("out");
+    assert_eq!(after[Path::new("a.h5")], good[Path::new("a.h5")], "the good one before it stays");
+    assert!(after.contains_key(Path::new("rejected/a.h5")));
+    // It isn't baked again to be refused again, nor to be taken when its gates are wider.
+    place.batch("out", &[]);
+    assert_eq!(place.asset("out", "a")["reason"], "mesh, parameters and program are the same");
+    place.write("assets.toml", &format!("version = 1\n{SOME}"));
+    let (code, text) = place.batch("out", &[]);
+    assert_eq!((code, &*place.outcomes("out")["a"]), (Some(0), "reused"), "{text}");
+    assert!(!place.at("out/rejected/a.h5").exists());
+}
+
+#[test]
+fn killed_batches_go_on_to_the_same_bytes() {
+    let boxes: Vec<(String, f64)> = (0..6).map(|i| (format!("b{i}"), 1.0 + 0.1 * f64::from(i))).collect();
+    let boxes: Vec<(&str, f64)> = boxes.iter().map(|(name, height)| (name.as_str(), *height)).collect();
+    let place = Place::new(&boxes, SOME);
+    assert_eq!(place.batch("whole", &[]).0, Some(0));
+    for delay in [15, 40, 80, 130, 190] {
+        let mut child = place.command(&["batch", "assets.toml", "--out", "out"]).spawn().unwrap();
+        std::thread::sleep(Duration::from_millis(delay));
+        child.kill().unwrap();
+        child.wait().unwrap();
+    }
+    let (code, text) = place.batch("out", &[]);
+    assert_eq!(code, Some(0), "{text}");
+    assert_eq!(place.assets("out"), place.assets("whole"));
+    let mut files = BTreeMap::new();
+    collect(&place.at("out"), &mut files);
+    assert!(files.keys().all(|path| path.extension().is_none_or(|ending| ending != "part")), "{:?}", files.keys());
+}
+
+#[test]
+fn two_batches_share_a_cache_and_not_a_folder() {
+    let boxes = [("a", 1.0), ("b", 1.5), ("c", 2.0), ("d", 2.5)];
+    let place = Place::new(&boxes, SOME);
+    let start = |out: &str| -> Child {
+        place.command(&["batch", "assets.toml", "--out", out, "--cache", "cache"]).spawn().unwrap()
+    };
+    let both = [start("one"), start("two")].map(|child| child.wait_with_output().unwrap());
+    assert!(both.iter().all(|done| done.status.success()), "{both:?}");
+    assert_eq!(place.assets("one"), place.assets("two"));
+    assert_eq!(place.assets("cache").len(), boxes.len());
+    // A third bakes nothing, and isn't fooled by a damaged file there.
+    let damaged = place.at("cache").join(place.assets("cache").into_keys().next().unwrap());
+    std::fs::write(&damaged, "x").unwrap();
+    place.batch("three", &["--cache", "cache"]);
+    let outcomes: Vec<String> = place.outcomes("three").into_values().collect();
+    let count = |outcome: &str| outcomes.iter().filter(|found| *found == outcome).count();
+    assert_eq!((count("reused"), count("built")), (3, 1));
+    assert_eq!(place.assets("three"), place.assets("one"));
+    assert!(std::fs::read(&damaged).unwrap().len() > 1, "mended");
+
+    let lock = std::fs::File::open(place.at("one/.volmap-batch.jsonl")).unwrap();
+    lock.lock().unwrap();
+    let (code, text) = place.batch("one", &[]);
+    assert!(code == Some(2) && text.contains("another batch is at work"), "{text}");
+}
+
+#[test]
+fn shards_make_the_whole() {
+    let boxes = [("a", 1.0), ("b", 1.5), ("c", 2.0), ("d", 2.5), ("e", 3.0)];
+    let place = Place::new(&boxes, SOME);
+    place.write("meshes/bad.obj", "f 1 2 3\n");
+    assert_eq!(place.batch("whole", &[]).0, Some(1));
+    for (name, value) in [("SLURM_ARRAY_TASK_ID", "0"), ("SLURM_ARRAY_TASK_ID", "2")] {
+        let mut command = place.command(&["batch", "assets.toml", "--out", "out", "--shard", "auto/3"]);
+        command.env(name, value).output().unwrap();
+    }
+    let early = place.run(&["batch", "--merge", "out"]);
+    let text = String::from_utf8(early.stderr).unwrap();
+    assert!(early.status.code() == Some(2) && text.contains('2'), "{text}");
+    place.batch("out", &["--shard", "2/3"]);
+    assert_eq!(place.run(&["batch", "--merge", "out"]).status.code(), Some(1), "one is bad");
+    assert_eq!(place.assets("out"), place.assets("whole"));
+    let plain = |out: &str| {
+        let mut assets = place.summary(out)["assets"].clone();
+        for asset in assets.as_array_mut().unwrap() {
+            for of_the_run in ["seconds", "threads", "peak_memory"] {
+                asset[of_the_run] = Value::Null;
+            }
+        }
+        assets
+    };
+    assert_eq!(plain("out"), plain("whole"));
+}
+
+#[test]
+fn limits_end_an_asset_and_not_the_batch() {
+    let place = Place::new(&[("a", 1.0), ("b", 1.5)], SOME);
+    let slow = "[[assets]]\nmesh = \"meshes/b.obj\"\ntimeout = 0.05\nbake = { cell_size = 0.01, quadrature = \"gl30\" }\n";
+    place.write("assets.toml", &format!("version = 1\n{SOME}{slow}"));
+    let (code, text) = place.batch("out", &[]);
+    assert_eq!((code, &*place.outcomes("out")["a"]), (Some(1), "built"), "{text}");
+    let error = place.asset("out", "b")["error"].to_string();
+    assert!(error.contains("timeout of 0.05 s"), "{error}");
+
+    let large = slow.replace("timeout = 0.05\n", "").replace("0.01", "0.002");
+    place.write("assets.toml", &format!("version = 1\n{SOME}{large}"));
+    let (_, text) = place.batch("out", &["--max-memory", "1GiB"]);
+    let error = place.asset("out", "b")["error"].to_string();
+    assert!(error.contains("more than --max-memory 1024 MiB"), "{text} {error}");
+}
+
+#[test]
+fn bytes_do_not_depend_on_jobs_or_threads() {
+    let place = Place::new(&[("a", 1.0), ("b", 1.5), ("c", 2.0)], SOME);
+    place.batch("one", &["--jobs", "1", "--threads", "1"]);
+    place.batch("many", &["--jobs", "3", "--threads", "6"]);
+    assert_eq!(place.assets("one"), place.assets("many"));
+    assert_eq!(place.assets("one").len(), 3);
+}
+
+#[test]
+fn verify_finds_what_is_not_as_it_should_be() {
+    let place = Place::new(&[("a", 1.0), ("b", 1.5), ("c", 2.0), ("d", 2.5)], SOME);
+    place.batch("out", &[]);
+    let verify = |more: &[&str]| {
+        let done = place.run(&[&["verify", "out"][..], more].concat());
+        (done.status.code(), String::from_utf8(done.stdout).unwrap())
+    };
+    assert_eq!(verify(&[]), (Some(0), "4 of 4 assets are good\n".into()));
+    let before = place.assets("out");
+    place.write("meshes/a.obj", &box_mesh(1.1));
+    let mut bytes = before[Path::new("b.h5")].clone();
+    let end = bytes.len() - 100;
+    bytes.truncate(end);
+    std::fs::write(place.at("out/b.h5"), bytes).unwrap();
+    std::fs::remove_file(place.at("out/c.h5")).unwrap();
+    let (code, text) = verify(&["--manifest", "assets.toml"]);
+    assert_eq!(code, Some(1), "{text}");
+    let lines: Vec<&str> = text.lines().collect();
+    assert!(lines[0].starts_with("a: its mesh, its parameters or the program have changed"), "{text}");
+    assert!(lines[1].starts_with("b: its file is damaged"), "{text}");
+    assert!(lines[2].starts_with("c: it is new") || lines[2].starts_with("c: its file is gone"), "{text}");
+    assert_eq!(lines[3], "1 of 4 assets are good");
+    assert!(!place.at("out/c.h5").exists(), "nothing is baked");
+    let (_, json) = verify(&["--json"]);
+    assert_eq!(serde_json::from_str::<Value>(&json).unwrap()[3]["problems"], serde_json::json!([]));
+}
+
+#[test]
+fn checks_estimate_and_make_nothing() {
+    let place = Place::new(&[("a", 1.0), ("b", 1.5)], SOME);
+    let (code, text) = place.batch("out", &["--check"]);
+    assert_eq!(code, Some(0), "{text}");
+    assert!(text.contains("a: it is new") && text.contains("2 to make, 0 stay"), "{text}");
+    assert!(!place.at("out").exists());
+    place.batch("out", &[]);
+    let (_, text) = place.batch("out", &["--check"]);
+    assert!(text.contains("0 to make, 2 stay"), "{text}");
+    place.write("meshes/c.obj", "f 1 2 3\n");
+    let (code, text) = place.batch("out", &["--check"]);
+    assert!(code == Some(1) && text.contains("can't be made  c:"), "{text}");
+}
+
+#[test]
+fn patterns_need_no_manifest() {
+    let place = Place::new(&[("a", 1.0), ("b", 1.5)], SOME);
+    let done = place.run(&["batch", "meshes/*.obj", "--out", "out", "--support-radius", "0.25", "--log", "json"]);
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    let lines = String::from_utf8(done.stdout).unwrap();
+    let lines: Vec<Value> = lines.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!(lines.len(), 3);
+    assert!(lines.iter().take(2).all(|line| line["event"] == "asset" && line["outcome"] == "built"));
+    assert_eq!(place.assets("out").len(), 2);
+}
+
+#[test]
+fn manuals_and_completions_are_made_of_the_arguments() {
+    let place = Place::new(&[], "");
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        let text = String::from_utf8(place.run(&["completions", shell]).stdout).unwrap();
+        assert!(text.contains("max-memory") && text.contains("verify"), "{shell}");
+    }
+    let page = String::from_utf8(place.run(&["man"]).stdout).unwrap();
+    assert!(page.contains(".TH volmap 1") && page.contains("batch"));
+    assert!(place.run(&["man", "--output", "man"]).status.success());
+    let page = std::fs::read_to_string(place.at("man/volmap-batch.1")).unwrap();
+    assert!(page.contains("shard") && !place.at("man/volmap-batch-worker.1").exists());
+}
