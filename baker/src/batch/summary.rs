@@ -86,6 +86,8 @@ pub enum Outcome {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AssetReport {
+    /// Place in the manifest's order, from 0.
+    pub position: usize,
     /// Its name: the output's path in the output folder, without `.h5`.
     pub name: String,
     /// The mesh file, as the manifest's folder and entry give it.
@@ -178,6 +180,18 @@ impl Counts {
             failed: count(Outcome::Failed),
             not_tried: count(Outcome::NotTried),
         }
+    }
+
+    /// Every outcome and its number.
+    pub fn by_outcome(&self) -> [(Outcome, usize); 6] {
+        [
+            (Outcome::Built, self.built),
+            (Outcome::Reused, self.reused),
+            (Outcome::Unchanged, self.unchanged),
+            (Outcome::Rejected, self.rejected),
+            (Outcome::Failed, self.failed),
+            (Outcome::NotTried, self.not_tried),
+        ]
     }
 
     /// Whether every asset is there and good.
