@@ -53,7 +53,10 @@ pub fn closing(summary: &Summary, folder: &Path) -> String {
     }
     lines.extend(summary.notes.iter().map(|note| plain(&format!("note       {note}"))));
     let stopped = if summary.interrupted { "; stopped before its end" } else { "" };
-    lines.push(format!("assets     {}{stopped}", counted(&summary.counts)));
+    lines.push(match summary.assets.len() {
+        0 => "assets     none".into(),
+        all => format!("assets     {all}: {}{stopped}", counted(&summary.counts)),
+    });
     let jobs = counted_as(summary.jobs, "job", "jobs");
     let threads = counted_as(summary.threads, "thread", "threads");
     lines.push(format!("time       {} s, {jobs} on {threads}", number(summary.seconds)));
@@ -65,13 +68,10 @@ fn counted_as(n: usize, one: &str, many: &str) -> String {
     format!("{n} {}", if n == 1 { one } else { many })
 }
 
-/// `12: 9 built, 2 unchanged, 1 failed`.
+/// `9 built, 2 unchanged, 1 failed`.
 pub fn counted(counts: &Counts) -> String {
-    let all = counts.by_outcome();
-    let total: usize = all.iter().map(|(_, count)| count).sum();
-    let some = all.into_iter().filter(|(_, count)| *count > 0);
-    let parts: Vec<String> = some.map(|(outcome, count)| format!("{count} {}", outcome.name())).collect();
-    if parts.is_empty() { "none".into() } else { format!("{total}: {}", parts.join(", ")) }
+    let some = counts.by_outcome().into_iter().filter(|(_, count)| *count > 0);
+    some.map(|(outcome, count)| format!("{count} {}", outcome.name())).collect::<Vec<_>>().join(", ")
 }
 
 /// Text in one line, without what a terminal would obey.

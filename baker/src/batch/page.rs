@@ -14,10 +14,15 @@ use std::path::{Component, Path};
 /// Larger pictures are left out, bytes.
 const LARGEST_PREVIEW: u64 = 1 << 18;
 
+/// Above the table of assets.
+const LEGEND: &str = "Error: the largest of the volume, % of the full ball. Blue: the solid. Orange: a container, seen \
+                      from inside without its near walls. A click on a head sorts.";
+
 /// The page of a batch whose output is in `folder`, where it takes the previews from.
 pub fn page(summary: &Summary, folder: &Path) -> Page {
     let mut sections: Vec<Section> = bad(summary).into_iter().chain(notes(summary)).collect();
-    sections.push(Section { title: "Assets".into(), blocks: vec![Block::Table(assets(summary, folder))] });
+    let blocks = vec![Block::Paragraph(LEGEND.into()), Block::Table(assets(summary, folder))];
+    sections.push(Section { title: "Assets".into(), blocks });
     sections.push(totals(summary));
     let name = summary.manifest.as_deref().map_or("meshes", file_name);
     Page {
@@ -53,8 +58,8 @@ fn verdict(summary: &Summary) -> Verdict {
     let good = assets.iter().filter(|asset| is_good(asset)).count();
     let mut text = match assets.len() {
         0 => "There are no assets.".into(),
-        all if all == good => format!("All assets are good; {}.", counted(&summary.counts)),
-        all => format!("{good} of {all} assets are good; {}.", counted(&summary.counts)),
+        all if all == good => format!("All {all} assets are good: {}.", counted(&summary.counts)),
+        all => format!("{good} of {all} assets are good: {}.", counted(&summary.counts)),
     };
     if summary.interrupted {
         text += " The batch was stopped before its end.";
@@ -97,18 +102,16 @@ fn notes(summary: &Summary) -> Option<Section> {
 /// A row an asset.
 fn assets(summary: &Summary, folder: &Path) -> Table {
     Table {
-        caption: "Blue: the solid. Orange: a container, seen from inside without its near walls. A click on a head \
-                  sorts."
-            .into(),
+        caption: String::new(),
         columns: vec![
             Column::text("asset"),
             Column::text("outcome"),
-            Column::sentences("why"),
             Column::number("size"),
-            Column::number("error, % of the ball"),
+            Column::number("error, %"),
             Column::number("time, s"),
             Column::number("memory"),
             Column::text("tags"),
+            Column::sentences("why"),
             Column::sentences("warnings"),
         ],
         rows: summary.assets.iter().map(|asset| row(asset, folder)).collect(),
@@ -127,12 +130,12 @@ fn row(asset: &AssetReport, folder: &Path) -> Vec<Cell> {
     vec![
         name,
         Cell::text(asset.outcome.name()),
-        Cell::text(why(asset)),
         size(asset.bytes),
         number(error(asset).map(|error| 100.0 * error)),
         number(asset.seconds),
         size(asset.peak_memory),
         Cell::text(asset.tags.join(", ")),
+        Cell::text(why(asset)),
         Cell::text(warnings),
     ]
 }
@@ -255,7 +258,7 @@ mod tests {
     /// The table of assets of a page.
     fn table(page: &Page) -> &Table {
         let section = page.sections.iter().find(|section| section.title == "Assets").unwrap();
-        let [Block::Table(table)] = &section.blocks[..] else { panic!("a table alone") };
+        let [_, Block::Table(table)] = &section.blocks[..] else { panic!("a legend and a table") };
         table
     }
 
@@ -263,7 +266,7 @@ mod tests {
     fn what_is_bad_comes_first() {
         let page = page(&mixed(), Path::new("none"));
         assert_eq!(page.verdict.outcome, page::Outcome::Fail);
-        assert!(page.verdict.text.starts_with("3 of 6 assets are good; 6: 1 built"), "{}", page.verdict.text);
+        assert!(page.verdict.text.starts_with("3 of 6 assets are good: 1 built"), "{}", page.verdict.text);
         let titles: Vec<&str> = page.sections.iter().map(|section| section.title.as_str()).collect();
         assert_eq!(titles, ["Failed and rejected", "Assets", "Totals"]);
         let [Block::Parameters(bad)] = &page.sections[0].blocks[..] else { panic!("a list") };

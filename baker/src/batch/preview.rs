@@ -142,11 +142,14 @@ fn shaded(map: &VolumeMap, view: &View, seen: &[Seen]) -> Vec<Rgb> {
         if let Sample::Near(boundary) = sample {
             normal = boundary.normal;
             part = boundary.volume / map.quadrature().ball_volume;
+            part = if part.is_finite() { part } else { ON_PLANE };
         }
         // Behind the surface, or beside it, the normal may point away.
         let facing = if normal.dot(away) > 0.0 { -normal } else { normal };
         let corner = 1.0 - 1.2 * (part - ON_PLANE).clamp(-0.25, 0.25);
-        let lit = (0.2 + 0.85 * (0.5 + 0.5 * facing.dot(light))) * corner;
+        let lit = (0.1 + 0.95 * (0.5 + 0.5 * facing.dot(light))) * corner;
+        // A silhouette's normal is anywhere; dark ones would look like dirt.
+        let lit = if seen.part < 1.0 { lit.max(0.8) } else { lit };
         // Steps of light that the eye doesn't see halve the file.
         let lit = (lit * SHADES).round() / SHADES;
         pixels[seen.pixel] = painted(colour(map), lit, seen.part);
@@ -260,6 +263,10 @@ mod tests {
                         f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 2 3 7 6\nf 1 5 8 4\n";
 
     fn cube(invert: bool) -> VolumeMap {
+        VolumeMap::from_asset(&cube_asset(invert)).unwrap()
+    }
+
+    fn cube_asset(invert: bool) -> Asset {
         let input = from_bytes(Path::new("cube.obj"), CUBE, &InputSettings::default()).unwrap();
         let map = Settings {
             support_radius: Some(0.1),
@@ -269,7 +276,7 @@ mod tests {
             ..Settings::default()
         };
         let settings = BakeSettings { map, ..BakeSettings::default() };
-        VolumeMap::from_asset(&bake(input, &settings, &mut |_| (), &mut |_| ()).unwrap().asset).unwrap()
+        bake(input, &settings, &mut |_| (), &mut |_| ()).unwrap().asset
     }
 
     /// A disc's map in two dimensions.
@@ -352,57 +359,11 @@ mod tests {
         // Nothing but solid, and a distance that is nonsense.
         let solid = Asset { exterior: Exterior::Solid, ..empty };
         assert!(png::size(&preview(&VolumeMap::from_asset(&solid).unwrap())).is_some());
-        let mut wild = disc(0.7);
-        let count = wild.signed_distance.len();
-        wild.signed_distance = Array::F64((0..count).map(|n| ((n * 7919) % 13) as f64 - 6.0).collect());
-        wild.volume = Array::F64(vec![1.0; count]);
-        assert!(png::size(&preview(&VolumeMap::from_asset(&wild).unwrap())).is_some());
-    }
-}
-#[cfg(test)]
-mod scratch {
-    #[test]
-    fn scratch() {
-        use super::*;
-        use super::super::{fixture, page, summary::*};
-        let dir = std::path::Path::new("/tmp/w/prev");
-        std::fs::create_dir_all(dir.join("preview")).unwrap();
-        let mut names = vec![];
-        for entry in std::fs::read_dir(dir).unwrap() {
-            let path = entry.unwrap().path();
-            if path.extension().is_none_or(|e| e != "h5") { continue }
-            let map = VolumeMap::open(&path).unwrap();
-            let mut best = f64::INFINITY;
-            let mut png = vec![];
-            for _ in 0..5 {
-                let t = std::time::Instant::now();
-                png = preview(&map);
-                best = best.min(t.elapsed().as_secs_f64());
-            }
-            let name = path.file_stem().unwrap().to_str().unwrap().to_owned();
-            println!("{name}: {:.1} ms, {} bytes", 1e3 * best, png.len());
-            std::fs::write(dir.join(format!("preview/{name}.png")), &png).unwrap();
-            names.push(name);
+        for mut wild in [disc(0.7), cube_asset(false), cube_asset(true)] {
+            let count = wild.signed_distance.len();
+            wild.signed_distance = Array::F64((0..count).map(|n| ((n * 7919) % 13) as f64 - 6.0).collect());
+            wild.volume = Array::F64(vec![f64::MAX; count]);
+            assert!(png::size(&preview(&VolumeMap::from_asset(&wild).unwrap())).is_some());
         }
-        let mut assets = vec![];
-        for n in 0..300 {
-            let mut a = fixture::asset(n, &format!("props/set_{}/{}_{n}", n % 7, names[n % names.len()]));
-            a.preview = Some(format!("preview/{}.png", names[n % names.len()]));
-            a.report = Some("report/x y.html".into());
-            a.bytes = Some(1000 * (n as u64 * 7919 % 5000));
-            a.seconds = Some((n * 31 % 97) as f64 * 0.13);
-            a.outcome = [Outcome::Unchanged, Outcome::Built, Outcome::Reused][n % 3];
-            a.reason = ["nothing changed", "the mesh changed: meshes/a.obj has other bytes than when it was baked", "the same content under another name"][n % 3].into();
-            if n % 50 == 7 { a.outcome = Outcome::Failed; a.error = Some("meshes/some_folder/broken.obj: line 3: a face needs at least three corners; open it in the program that wrote it".into()); a.bytes = None; a.figures = None; a.preview = None }
-            if n % 50 == 9 { a.outcome = Outcome::Rejected; a.failed_gates = vec!["the largest error is 0.42 % of the ball, more than max_error 0.1 %".into()]; }
-            if n % 20 == 3 { if let Some(f) = &mut a.figures { f.warnings = vec!["the mesh has 3 holes; its inside is a guess there".into()] } }
-            if n % 4 == 0 { a.tags.push("hero".into()) }
-            assets.push(a);
-        }
-        let mut s = fixture::batch(assets);
-        s.notes = vec!["meshes/**/*.stl matches no file".into()];
-        std::fs::write(dir.join("summary.html"), page::page(&s, dir).to_html()).unwrap();
-        std::fs::write(dir.join("junit.xml"), super::super::junit::junit(&s)).unwrap();
-        println!("{}", super::super::log::closing(&s, dir));
     }
 }
