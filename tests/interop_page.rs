@@ -2,7 +2,9 @@
 
 use std::path::Path;
 use std::process::Command;
-use volmap_baker::page::{Block, Cell, Column, Image, Outcome, Page, Parameter, Section, Table, Verdict};
+use volmap_baker::page::{
+    Block, Cell, Column, Image, Link, Outcome, Page, Parameter, Section, Table, Verdict,
+};
 use volmap_baker::picture::colours::DISTINCT;
 use volmap_baker::picture::{Chart, Data, Quantity, Series};
 use volmap_baker::slice::{Settings, slice};
@@ -43,13 +45,21 @@ fn chart() -> Block {
 /// Rows whose numbers sort otherwise than their texts.
 fn table() -> Table {
     let numbers = [3.2e-5, -1.0, 0.04, 12345.6, f64::NAN, 7.0];
+    let thumbnail = picture::png::encode([4, 3], &[200; 36], picture::png::Effort::Fast);
     let row = |(n, x): (usize, &f64)| {
-        let mut row = vec![Cell::text(format!("quantity {n}")), Cell::number(*x)];
-        row.extend((0..7).map(|k| Cell::number(x * f64::from(k))));
+        let name = Cell {
+            link: Link::new(&format!("reports of {NASTY}/{n}.html")),
+            thumbnail: Some(thumbnail.clone()),
+            ..Cell::text(format!("quantity {n}"))
+        };
+        let mut row = vec![name, Cell::number(*x)];
+        row.extend((0..6).map(|k| Cell::number(x * f64::from(k))));
+        row.push(Cell::text(format!("a sentence about {NASTY} ").repeat(4)));
         row
     };
     let mut columns = vec![Column::text("name"), Column::number("largest, m³")];
-    columns.extend((0..7).map(|k| Column::number(format!("percentile {k}"))));
+    columns.extend((0..6).map(|k| Column::number(format!("percentile {k}"))));
+    columns.push(Column::sentences("remarks"));
     Table {
         caption: format!("Errors of {NASTY}"),
         columns,

@@ -44,6 +44,14 @@ pub enum Error {
         /// What is wrong with it and the cure.
         reason: String,
     },
+    /// The summary of a batch can't be used.
+    #[error("{}: {reason}", path.display())]
+    Summary {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it and the cure.
+        reason: String,
+    },
     /// A setting can't be used.
     #[error("{option}: {reason}")]
     Setting {

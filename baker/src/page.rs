@@ -10,5 +10,5 @@ mod document;
 mod escape;
 mod render;
 
-pub use document::{Block, Cell, Column, Image, Outcome, Page, Parameter, Section, Table, Verdict};
+pub use document::{Block, Cell, Column, Image, Link, Outcome, Page, Parameter, Section, Table, Verdict};
 pub use escape::escape;

@@ -12,6 +12,7 @@ use crate::report::{self, page::page, report};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use volmap_formats::asset::{self, Asset, Value};
+use volmap_runtime::VolumeMap;
 
 /// Makes an asset, its picture and its report. The asset comes last: if it is there, so is the rest.
 ///
@@ -32,7 +33,7 @@ pub fn make(order: &Order, on_step: &mut dyn FnMut(&str)) -> Result<Made, Error>
     let figures = figures(&asset);
     let failed_gates = gates::failed(&order.gates, &figures, bytes.len() as u64);
     on_step("drawing");
-    publish(&order.files.preview, &preview::preview(&asset)?)?;
+    publish(&order.files.preview, &preview::preview(&VolumeMap::from_asset(&asset)?))?;
     if let Some(base) = &order.files.report {
         on_step("measuring for the report");
         write_report(base, &asset, order)?;

@@ -86,6 +86,8 @@ pub enum Outcome {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AssetReport {
+    /// Place in the manifest's order, from 0.
+    pub position: usize,
     /// Its name: the output's path in the output folder, without `.h5`.
     pub name: String,
     /// Its place in the manifest's order, from 0.
@@ -166,6 +168,18 @@ impl Counts {
         }
     }
 
+    /// Every outcome and its number.
+    pub fn by_outcome(&self) -> [(Outcome, usize); 6] {
+        [
+            (Outcome::Built, self.built),
+            (Outcome::Reused, self.reused),
+            (Outcome::Unchanged, self.unchanged),
+            (Outcome::Rejected, self.rejected),
+            (Outcome::Failed, self.failed),
+            (Outcome::NotTried, self.not_tried),
+        ]
+    }
+
     /// Whether every asset is there and good.
     pub fn all_good(&self) -> bool {
         self.rejected + self.failed + self.not_tried == 0
@@ -185,6 +199,3 @@ impl Outcome {
         }
     }
 }
-
-/// stub
-pub fn read(_: &std::path::Path) -> Result<Summary, crate::Error> { todo!() }

@@ -4,8 +4,8 @@ use super::assets::Expanded;
 use super::engine::in_pool;
 use super::journal::Records;
 use super::places::Places;
+use super::read::read;
 use super::state::{Action, Known, decide};
-use super::summary;
 use crate::error::Error;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -26,7 +26,7 @@ pub struct Finding {
 /// No summary, or one of a batch without a manifest.
 pub fn manifest_of(folder: &Path) -> Result<PathBuf, Error> {
     let path = folder.join("summary.json");
-    let summary = summary::read(&path)?;
+    let summary = read(&path)?;
     let manifest = summary.manifest.ok_or_else(|| Error::Import {
         path,
         reason: "names no manifest, as the batch had none; give --manifest".into(),

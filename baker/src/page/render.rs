@@ -1,6 +1,6 @@
 //! A page as the text of an HTML file.
 
-use super::document::{Block, Cell, Image, Outcome, Page, Parameter, Section, Table, Verdict};
+use super::document::{Block, Cell, Column, Image, Outcome, Page, Parameter, Section, Table, Verdict};
 use super::escape::escape;
 use crate::picture::png;
 use base64::Engine;
@@ -122,22 +122,37 @@ fn table(out: &mut String, data: &Table) {
     optional(out, "caption", &data.caption);
     *out += "<thead><tr>";
     for column in &data.columns {
-        let class = if column.numeric { " class=\"number\"" } else { "" };
-        _ = write!(out, "<th scope=\"col\"{class}>{}</th>", escape(&column.name));
+        _ = write!(out, "<th scope=\"col\"{}>{}</th>", class(Some(column)), escape(&column.name));
     }
     *out += "</tr></thead>\n<tbody>\n";
     for row in &data.rows {
         *out += "<tr>";
-        for (number, Cell { text, value }) in row.iter().enumerate() {
-            let numeric = data.columns.get(number).is_some_and(|column| column.numeric);
-            let class = if numeric { " class=\"number\"" } else { "" };
-            let value =
-                value.filter(|x| x.is_finite()).map_or(String::new(), |x| format!(" data-v=\"{x:e}\""));
-            _ = write!(out, "<td{class}{value}>{}</td>", escape(text));
-        }
+        row.iter().enumerate().for_each(|(number, part)| cell(out, data.columns.get(number), part));
         *out += "</tr>\n";
     }
     *out += "</tbody>\n</table></div>\n";
+}
+
+fn class(column: Option<&Column>) -> &'static str {
+    match column {
+        Some(column) if column.numeric => " class=\"number\"",
+        Some(column) if column.wraps => " class=\"sentences\"",
+        _ => "",
+    }
+}
+
+fn cell(out: &mut String, column: Option<&Column>, Cell { text, value, link, thumbnail }: &Cell) {
+    let value = value.filter(|x| x.is_finite()).map_or(String::new(), |x| format!(" data-v=\"{x:e}\""));
+    _ = write!(out, "<td{}{value}>", class(column));
+    if let Some(png) = thumbnail {
+        let data = BASE64.encode(png);
+        _ = write!(out, "<img class=\"thumbnail\" src=\"data:image/png;base64,{data}\" alt=\"\">");
+    }
+    match link {
+        Some(link) => _ = write!(out, "<a href=\"{}\">{}</a>", escape(link.url()), escape(text)),
+        None => *out += &escape(text),
+    }
+    *out += "</td>";
 }
 
 fn image(out: &mut String, Image { png, alt, caption }: &Image) {
@@ -158,18 +173,20 @@ fn figure(out: &mut String, content: &str, caption: &str, class: &str) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::page::{Column, Parameter};
+    use crate::page::{Link, Parameter};
 
     const NASTY: &str = "<script>alert(1)</script>\" onload='x' &amp; Größe\u{202e}\0";
 
     /// A page with the text in every place that takes one.
     fn page(text: &str) -> Page {
         let text = || text.to_owned();
-        let cell = Cell { text: text(), value: Some(1.5) };
+        let cell =
+            Cell { thumbnail: Some(vec![4, 5, 6]), link: Link::new(&text()), ..Cell::written(text(), 1.5) };
+        let unlinked = Cell::text(text());
         let table = Table {
             caption: text(),
-            columns: vec![Column::text(text())],
-            rows: vec![vec![cell, Cell::default()]],
+            columns: vec![Column::text(text()), Column::sentences(text())],
+            rows: vec![vec![cell, unlinked]],
         };
         let image = Image { png: vec![1, 2, 3], alt: text(), caption: text() };
         let parameter = Parameter { name: text(), value: text(), note: text() };
@@ -209,7 +226,7 @@ mod tests {
         let html = page(NASTY).to_html();
         assert_eq!(tags(&html), tags(&page("harmless").to_html()));
         assert_eq!(html.matches("<script").count(), 1);
-        assert_eq!(html.matches("&lt;script&gt;alert(1)").count(), 3 * 16 + 7);
+        assert_eq!(html.matches("&lt;script&gt;alert(1)").count(), 3 * 18 + 7);
         assert!(!html.contains('\0') && !html.contains('\u{202e}'));
     }
 

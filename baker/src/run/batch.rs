@@ -12,11 +12,12 @@ use volmap_baker::batch::assets::{Expanded, expand};
 use volmap_baker::batch::check::{Check, check};
 use volmap_baker::batch::engine::{self, Event, Settings};
 use volmap_baker::batch::manifest::{self, Manifest};
-use volmap_baker::batch::merge;
+use volmap_baker::batch::merge::merge;
 use volmap_baker::batch::places::Places;
 use volmap_baker::batch::prune::Leftovers;
+use volmap_baker::batch::read::{find_parts, read as read_summary};
 use volmap_baker::batch::summary::{Outcome, Summary};
-use volmap_baker::batch::{log, summary, verify, worker};
+use volmap_baker::batch::{log, verify, worker};
 use volmap_baker::parameters::Parameters;
 use volmap_baker::summary::bytes;
 
@@ -175,9 +176,8 @@ fn close(summary: &Summary, out: &Path, arguments: &BatchArguments) -> Result<Ex
 }
 
 fn run_merge(folder: &Path, arguments: &BatchArguments) -> Result<ExitCode> {
-    let parts = merge::find_parts(folder)?;
-    let parts = parts.iter().map(|part| summary::read(part)).collect::<Result<Vec<_>, _>>()?;
-    let merged = merge::merge(folder, parts)?;
+    let parts = find_parts(folder)?.iter().map(|part| read_summary(part)).collect::<Result<Vec<_>, _>>()?;
+    let merged = merge(parts)?;
     engine::publish(&merged, folder)?;
     close(&merged, folder, arguments)
 }
