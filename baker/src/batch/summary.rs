@@ -90,8 +90,6 @@ pub struct AssetReport {
     pub position: usize,
     /// Its name: the output's path in the output folder, without `.h5`.
     pub name: String,
-    /// Its place in the manifest's order, from 0.
-    pub position: usize,
     /// The mesh file, as the manifest's folder and entry give it.
     pub mesh: String,
     /// The asset's file, relative to the folder of this file.
