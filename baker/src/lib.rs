@@ -12,6 +12,7 @@ pub mod bake;
 pub mod batch;
 pub mod density_map;
 pub mod describe;
+pub mod document;
 pub mod error;
 pub mod export;
 pub mod import;
