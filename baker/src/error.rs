@@ -52,6 +52,14 @@ pub enum Error {
         /// What is wrong with it and the cure.
         reason: String,
     },
+    /// A document can't be used as it is.
+    #[error("{place}: {reason}")]
+    Document {
+        /// File, line and column.
+        place: String,
+        /// What is wrong and the cure.
+        reason: String,
+    },
     /// A setting can't be used.
     #[error("{option}: {reason}")]
     Setting {

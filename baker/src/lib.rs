@@ -13,6 +13,7 @@ pub mod batch;
 pub mod content_key;
 pub mod density_map;
 pub mod describe;
+pub mod document;
 pub mod error;
 pub mod export;
 pub mod import;

@@ -16,7 +16,6 @@ pub mod map;
 pub mod numbers;
 pub mod output;
 mod overlap;
-mod place;
 pub mod prepare;
 mod read;
 pub mod sources;
@@ -28,15 +27,16 @@ pub use fluid::{Block, EmitterSettings, Fill, Nozzle};
 pub use numbers::{PerAxis, Region, Rotation};
 pub use output::{OutputSettings, Picture, StopSettings};
 pub use prepare::{Prepared, PreparedBody, SourceFile, prepare};
-pub use read::{Syntax, load, parse};
+pub use read::{load, parse};
 pub use summary::{Summary, check, info};
+pub use volmap_baker::document::Syntax;
 
 use crate::error::Error;
 use crate::settings::{BoundaryMethod, FluidSettings, SolverSettings, World};
-use check::{At, Checked};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
+use volmap_baker::document::{At, Checked};
 use volmap_runtime::{ClosureKind, Dimension, KernelKind};
 
 /// The version of the format that this program reads.

@@ -1,10 +1,10 @@
 //! What the fluid touches: a map or a mesh, where it is, how it moves, what it is made of.
 
-use super::check::{At, Checked};
 use super::numbers::{PerAxis, Rotation};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
+use volmap_baker::document::{At, Checked};
 use volmap_runtime::Pose;
 
 /// A solid body.

@@ -1,12 +1,12 @@
 //! Where the fluid comes from: boxes, solids, nozzles.
 
 use super::body::{Bake, Source, check_source};
-use super::check::{At, Checked};
 use super::lattice::{self, MAX_PARTICLES};
 use super::numbers::{Region, Rotation};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
+use volmap_baker::document::{At, Checked};
 use volmap_runtime::Pose;
 
 /// A box of particles on a cubic lattice of spacing 2 rp; the first lie rp from the faces of `min`. What is

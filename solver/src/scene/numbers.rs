@@ -1,12 +1,12 @@
 //! Boxes, rotations and numbers that may be one or three.
 
-use super::check::{At, Checked};
 use glam::{DQuat, DVec3};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{Error as _, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::fmt;
 use std::marker::PhantomData;
+use volmap_baker::document::{At, Checked};
 
 /// A box along the axes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

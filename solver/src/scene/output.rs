@@ -1,10 +1,10 @@
 //! What a run leaves, and when it ends.
 
-use super::check::{At, Checked};
 use crate::output::particles::ParticleFormat;
 use crate::output::picture::Camera;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use volmap_baker::document::{At, Checked};
 
 /// What a run leaves in its folder.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -1,7 +1,7 @@
 //! From a key to its line and column in the file.
 
+use super::Syntax;
 use super::check::Step;
-use super::read::Syntax;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
