@@ -5,6 +5,7 @@
 //!          -> make (bake, gates, preview, report) -> summary -> page, junit
 //! ```
 
+pub mod assets;
 pub mod check;
 pub mod cost;
 pub mod crew;
@@ -18,9 +19,12 @@ pub mod journal;
 pub mod junit;
 pub mod log;
 pub mod make;
+pub mod manifest;
 pub mod measure;
 pub mod merge;
+mod names;
 pub mod page;
+mod pattern;
 pub mod places;
 pub mod preview;
 pub mod process;
@@ -32,16 +36,3 @@ pub mod state;
 pub mod summary;
 pub mod verify;
 pub mod worker;
-
-// STUBS
-pub mod manifest {
-    use crate::parameters::{Part, ByteSize};
-    #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
-    #[serde(default)]
-    pub struct Gates { #[serde(deserialize_with="crate::parameters::written::written")] pub max_error: Option<Part>, #[serde(deserialize_with="crate::parameters::written::written")] pub max_bytes: Option<ByteSize>, pub must_be_closed: Option<bool> }
-}
-pub mod assets {
-    use std::path::PathBuf;
-    pub struct Expanded { pub assets: Vec<PlannedAsset>, pub notes: Vec<String> }
-    pub struct PlannedAsset { pub name: String, pub mesh: PathBuf, pub mesh_name: String, pub tags: Vec<String>, pub parameters: crate::parameters::Parameters, pub gates: super::manifest::Gates, pub timeout: Option<f64>, pub error_points: u32, pub report: bool }
-}

@@ -1,11 +1,11 @@
 //! Arguments of `volmap batch` and `volmap verify`.
 
-use super::{byte_size, threads};
+use super::threads;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use volmap_baker::batch::shard;
 use volmap_baker::batch::summary::Shard;
-use volmap_baker::parameters::Parameters;
+use volmap_baker::parameters::{ByteSize, Parameters};
 
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]
@@ -52,8 +52,8 @@ pub struct BatchArguments {
     #[arg(long, value_name = "N", value_parser = threads, help_heading = "Program")]
     pub threads: Option<usize>,
     /// Memory of all jobs together, as 4GiB or 500MB [default: three quarters of what is free]
-    #[arg(long, value_name = "BYTES", value_parser = byte_size, help_heading = "Program")]
-    pub max_memory: Option<u64>,
+    #[arg(long, value_name = "BYTES", help_heading = "Program")]
+    pub max_memory: Option<ByteSize>,
     /// Seconds for an asset, unless the manifest says otherwise
     #[arg(long, value_name = "SECONDS", value_parser = seconds, help_heading = "Program")]
     pub timeout: Option<f64>,

@@ -96,7 +96,7 @@ fn read(arguments: &BatchArguments) -> Result<(Option<PathBuf>, Manifest, PathBu
             if let Some(input) = inputs.iter().find(|input| is_manifest(input)) {
                 bail!("{input}: a manifest stands alone; give meshes and patterns, or one manifest");
             }
-            Ok((None, manifest::from_patterns(inputs, &arguments.parameters)?, PathBuf::new()))
+            Ok((None, manifest::from_patterns(inputs, &arguments.parameters), PathBuf::new()))
         }
     }
 }
@@ -133,7 +133,7 @@ fn settings(arguments: &BatchArguments) -> Result<Settings> {
         worker: std::env::current_exe().context("the program's own file")?,
         jobs: arguments.jobs.unwrap_or(threads),
         threads,
-        max_memory: arguments.max_memory.or_else(free_memory).unwrap_or(DEFAULT_MEMORY),
+        max_memory: arguments.max_memory.map(|size| size.0).or_else(free_memory).unwrap_or(DEFAULT_MEMORY),
         timeout: arguments.timeout,
         rebuild: arguments.rebuild,
         shard: arguments.shard,
