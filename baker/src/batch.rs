@@ -4,4 +4,8 @@
 //! manifest -> assets (globs, effective parameters) -> state (content keys) -> schedule -> workers -> summary, page, junit
 //! ```
 
+pub mod assets;
+pub mod manifest;
+pub mod names;
+pub mod pattern;
 pub mod summary;
