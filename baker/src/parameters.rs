@@ -25,7 +25,7 @@ use written::{Written, displayed, written};
 
 /// Every parameter that changes an asset; what isn't given has its default.
 #[derive(Clone, Debug, Default, PartialEq, Args, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+#[serde(deny_unknown_fields, default, expecting = "give a table with options of `volmap bake`")]
 #[command(group(ArgGroup::new("radius").args(["support_radius", "particle_radius"])))]
 #[command(group(ArgGroup::new("cells").args(["resolution", "cell_size", "tolerance"])))]
 #[command(allow_negative_numbers = true)]
