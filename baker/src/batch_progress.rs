@@ -83,7 +83,9 @@ impl Bars {
     fn seat(&mut self, seat: usize) -> &ProgressBar {
         while self.seats.len() <= seat {
             let bar = self.all.add(ProgressBar::new_spinner());
-            bar.set_style(ProgressStyle::with_template("  {msg}").unwrap_or_else(|_| ProgressStyle::default_bar()));
+            bar.set_style(
+                ProgressStyle::with_template("  {msg}").unwrap_or_else(|_| ProgressStyle::default_bar()),
+            );
             self.seats.push(bar);
         }
         &self.seats[seat]

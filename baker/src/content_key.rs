@@ -101,9 +101,8 @@ type Change<'a> = (&'a str, Option<&'a str>, Option<&'a str>);
 
 fn changes<'a>(old: &'a BTreeMap<String, String>, new: &'a BTreeMap<String, String>) -> Vec<Change<'a>> {
     let names = old.keys().chain(new.keys().filter(|name| !old.contains_key(*name)));
-    let values = names.map(|name| {
-        (name.as_str(), old.get(name).map(String::as_str), new.get(name).map(String::as_str))
-    });
+    let values = names
+        .map(|name| (name.as_str(), old.get(name).map(String::as_str), new.get(name).map(String::as_str)));
     values.filter(|(_, from, to)| from != to).collect()
 }
 
@@ -150,10 +149,9 @@ mod tests {
         let first = identity("a.obj", "1");
         assert_eq!(first.key.len(), 64);
         assert_eq!(first, identity("b.obj", "1"));
-        for (other, why) in [
-            (identity("c.obj", "1"), "the mesh has changed"),
-            (identity("a.obj", "2"), "r: 1 -> 2"),
-        ] {
+        for (other, why) in
+            [(identity("c.obj", "1"), "the mesh has changed"), (identity("a.obj", "2"), "r: 1 -> 2")]
+        {
             assert_ne!(first.key, other.key);
             assert_eq!(difference(&first, &other).unwrap(), why);
         }
@@ -166,8 +164,7 @@ mod tests {
     fn buffers_beside_the_mesh_count() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.gltf");
-        let text =
-            r#"{"asset": {"version": "2.0"}, "buffers": [{"byteLength": 1, "uri": "a.bin"}]}"#;
+        let text = r#"{"asset": {"version": "2.0"}, "buffers": [{"byteLength": 1, "uri": "a.bin"}]}"#;
         std::fs::write(&path, text).unwrap();
         let identity = || identify(&path, list(&[])).unwrap();
         let without = identity();
@@ -180,9 +177,7 @@ mod tests {
 
     #[test]
     fn names_and_values_do_not_run_together() {
-        let of = |pairs: &[(&str, &str)]| {
-            key(&Identity { parameters: list(pairs), ..Identity::default() })
-        };
+        let of = |pairs: &[(&str, &str)]| key(&Identity { parameters: list(pairs), ..Identity::default() });
         let keys = [of(&[("a", "bc")]), of(&[("ab", "c")]), of(&[("a", "b"), ("c", "")]), of(&[])];
         assert!((0..4).all(|i| (0..i).all(|j| keys[i] != keys[j])));
     }

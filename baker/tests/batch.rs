@@ -206,7 +206,10 @@ fn batches_that_cannot_start_say_so() {
         assert_eq!(done.status.code(), Some(2), "{arguments:?}: {text}");
         assert!(text.starts_with("error: ") && text.contains(says), "{arguments:?}: {text}");
     }
-    place.write("assets.toml", "version = 1\n[[assets]]\nmesh = \"meshes/a.obj\"\nbake = { invertt = true }\n");
+    place.write(
+        "assets.toml",
+        "version = 1\n[[assets]]\nmesh = \"meshes/a.obj\"\nbake = { invertt = true }\n",
+    );
     let text = String::from_utf8(place.run(&["batch", "assets.toml", "--out", "out"]).stderr).unwrap();
     assert!(text.contains("assets.toml:4:10: unknown key `invertt`; did you mean `invert`?"), "{text}");
     place.write("out.h5", "x");
@@ -269,7 +272,11 @@ fn killed_batches_go_on_to_the_same_bytes() {
     assert_eq!(place.assets("out"), place.assets("whole"));
     let mut files = BTreeMap::new();
     collect(&place.at("out"), &mut files);
-    assert!(files.keys().all(|path| path.extension().is_none_or(|ending| ending != "part")), "{:?}", files.keys());
+    assert!(
+        files.keys().all(|path| path.extension().is_none_or(|ending| ending != "part")),
+        "{:?}",
+        files.keys()
+    );
 }
 
 #[test]
@@ -399,7 +406,8 @@ fn checks_estimate_and_make_nothing() {
 #[test]
 fn patterns_need_no_manifest() {
     let place = Place::new(&[("a", 1.0), ("b", 1.5)], SOME);
-    let done = place.run(&["batch", "meshes/*.obj", "--out", "out", "--support-radius", "0.25", "--log", "json"]);
+    let done =
+        place.run(&["batch", "meshes/*.obj", "--out", "out", "--support-radius", "0.25", "--log", "json"]);
     assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
     let lines = String::from_utf8(done.stdout).unwrap();
     let lines: Vec<Value> = lines.lines().map(|line| serde_json::from_str(line).unwrap()).collect();

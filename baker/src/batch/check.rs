@@ -70,9 +70,7 @@ pub fn check(expanded: &Expanded, settings: &Settings, stop: &AtomicBool) -> Res
 
 fn within(cost: &Result<Cost, String>, allowed: u64) -> Result<Cost, String> {
     match cost {
-        Ok(cost) if cost.memory > allowed => {
-            Err(Error::Memory { needed: cost.memory, allowed }.to_string())
-        }
+        Ok(cost) if cost.memory > allowed => Err(Error::Memory { needed: cost.memory, allowed }.to_string()),
         other => other.clone(),
     }
 }

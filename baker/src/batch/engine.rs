@@ -4,14 +4,14 @@ use super::assets::{Expanded, PlannedAsset};
 use super::crew::{Crew, Foreman};
 use super::job::{Cost, Job, Made, Order, Reply, Subject, Task};
 use super::journal::{Journal, Records};
+use super::junit::junit;
+use super::page::page;
 use super::places::{self, Places};
 use super::prune::{Leftovers, tidy};
 use super::schedule::{Schedule, Turn};
+use super::shard;
 use super::state::{Action, Decision, Kept, Known, decide};
 use super::summary::{AssetReport, Counts, Outcome, SUMMARY_VERSION, Shard, Summary};
-use super::junit::junit;
-use super::page::page;
-use super::shard;
 use crate::error::Error;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
@@ -111,10 +111,15 @@ pub fn run(
     let own_assets: Vec<&PlannedAsset> = own.iter().map(|&index| &assets[index]).collect();
     let decisions = decisions(&own_assets, settings, &records);
     let mut batch = Batch { journal, records, settings, on_event, entries: Vec::new(), failure: None };
-    batch.entries = own_assets.into_iter().zip(decisions).zip(&own).map(|((asset, decision), &position)| {
-        let cost = shard_costs.get(position).copied().flatten();
-        Entry { asset, decision, position, cost, report: None }
-    }).collect();
+    batch.entries = own_assets
+        .into_iter()
+        .zip(decisions)
+        .zip(&own)
+        .map(|((asset, decision), &position)| {
+            let cost = shard_costs.get(position).copied().flatten();
+            Entry { asset, decision, position, cost, report: None }
+        })
+        .collect();
     batch.settle_the_easy()?;
     batch.estimate(&mut crew)?;
     batch.make(&mut crew)?;
@@ -173,7 +178,8 @@ fn clear_folders(places: &Places, assets: &[PlannedAsset]) {
     let mut folders: Vec<PathBuf> = vec![places.out.clone()];
     for asset in assets {
         let files = places.files(&asset.name, "00", false);
-        let parents = [&files.output, &files.rejected, &files.preview].map(|file| file.parent().map(Path::to_owned));
+        let parents =
+            [&files.output, &files.rejected, &files.preview].map(|file| file.parent().map(Path::to_owned));
         folders.extend(parents.into_iter().flatten());
     }
     folders.sort();
@@ -275,7 +281,8 @@ struct Entry<'e> {
 impl Batch<'_, '_> {
     /// Those that are as they should be, and those that can't be made.
     fn settle_the_easy(&mut self) -> Result<(), Error> {
-        let to_make = self.entries.iter().filter(|entry| matches!(entry.decision.action, Action::Make(..))).count();
+        let to_make =
+            self.entries.iter().filter(|entry| matches!(entry.decision.action, Action::Make(..))).count();
         (self.on_event)(Event::Checked { assets: self.entries.len(), to_make });
         for index in 0..self.entries.len() {
             let entry = &self.entries[index];
@@ -302,7 +309,8 @@ impl Batch<'_, '_> {
     fn estimate(&mut self, crew: &mut Crew) -> Result<(), Error> {
         let open = |entry: &Entry| entry.report.is_none() && entry.cost.is_none();
         let entries = self.entries.iter().enumerate().filter(|(_, entry)| open(entry));
-        let assets: Vec<(usize, &PlannedAsset)> = entries.map(|(index, entry)| (index, entry.asset)).collect();
+        let assets: Vec<(usize, &PlannedAsset)> =
+            entries.map(|(index, entry)| (index, entry.asset)).collect();
         for (index, cost) in estimates(&assets, self.settings, crew)? {
             let most = self.settings.max_memory;
             match cost {
@@ -323,7 +331,8 @@ impl Batch<'_, '_> {
 
     fn make(&mut self, crew: &mut Crew) -> Result<(), Error> {
         let open = self.entries.iter().enumerate().filter(|(_, entry)| entry.report.is_none());
-        let costs: Vec<(usize, Cost)> = open.filter_map(|(index, entry)| Some((index, entry.cost?))).collect();
+        let costs: Vec<(usize, Cost)> =
+            open.filter_map(|(index, entry)| Some((index, entry.cost?))).collect();
         (self.on_event)(Event::Estimated(costs.iter().map(|(_, cost)| cost.seconds).sum()));
         let Settings { jobs, threads, max_memory, .. } = *self.settings;
         let mut schedule = Schedule::new(&costs, jobs, threads, max_memory);

@@ -84,10 +84,12 @@ fn path(out: &Path, shard: Option<Shard>) -> PathBuf {
 
 /// Of the batch's summary and of its shards'. One that can't be read is as good as none: assets are looked at instead.
 fn of_summaries(out: &Path) -> Records {
-    let names = std::fs::read_dir(out).into_iter().flatten().filter_map(|entry| entry.ok()?.file_name().into_string().ok());
-    let mut names: Vec<String> = names
-        .filter(|name| name.starts_with("summary.") && name.ends_with(".json"))
-        .collect();
+    let names = std::fs::read_dir(out)
+        .into_iter()
+        .flatten()
+        .filter_map(|entry| entry.ok()?.file_name().into_string().ok());
+    let mut names: Vec<String> =
+        names.filter(|name| name.starts_with("summary.") && name.ends_with(".json")).collect();
     // The older the less it counts; the whole batch's comes last.
     let age = |name: &String| std::fs::metadata(out.join(name)).and_then(|found| found.modified()).ok();
     names.sort_by_key(|name| (age(name), name.clone()));

@@ -72,11 +72,7 @@ fn file_name(path: &Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-fn baked(
-    order: &Order,
-    recipe: &Recipe,
-    on_step: &mut dyn FnMut(&str),
-) -> Result<(Asset, Vec<u8>), Error> {
+fn baked(order: &Order, recipe: &Recipe, on_step: &mut dyn FnMut(&str)) -> Result<(Asset, Vec<u8>), Error> {
     on_step("reading");
     let input = load(order, recipe)?;
     let mut settings = recipe.bake.clone();
@@ -125,8 +121,10 @@ fn place(bytes: &[u8], files: &Files, is_good: bool) -> Result<(), Error> {
 
 fn write_report(base: &Path, asset: &Asset, order: &Order) -> Result<(), Error> {
     let mesh = input::load(&order.subject.mesh, &input_settings(asset)?)?;
-    let settings =
-        report::Settings { max_error: order.gates.max_error.map(|part| part.0), ..report::Settings::default() };
+    let settings = report::Settings {
+        max_error: order.gates.max_error.map(|part| part.0),
+        ..report::Settings::default()
+    };
     let found = report(asset, Some(mesh), &settings, &mut |_| ())?;
     let json = serde_json::to_string_pretty(&found.findings).expect("numbers and text") + "\n";
     let html = page(&file_name(&order.files.output), &found.findings, found.pictures()).to_html();

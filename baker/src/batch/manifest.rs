@@ -91,7 +91,7 @@ pub struct Entry {
     #[serde(default)]
     pub exclude: Texts,
     /// The asset's path in the output folder, without .h5. {path} stands for the mesh's path below the glob's fixed part,
-    /// {stem} for its file's name, both without extension, {parent} for its folder's name, {map} for the map's name.
+    /// {stem} for its file's name, both without extension, {extension} for that, {parent} for its folder's name, {map} for the map's name.
     /// Default: "{path}"; where there are maps, ".{map}" is put behind if {map} isn't in it.
     #[serde(default)]
     pub name: Option<String>,

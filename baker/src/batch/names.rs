@@ -4,7 +4,7 @@
 const MAX_PART: usize = 200;
 
 /// What may stand in braces.
-const PLACEHOLDERS: [&str; 4] = ["path", "stem", "parent", "map"];
+const PLACEHOLDERS: [&str; 5] = ["path", "stem", "extension", "parent", "map"];
 
 /// What a template is filled with.
 #[derive(Clone, Copy, Debug)]
@@ -59,6 +59,7 @@ pub fn fill(template: &str, mesh: &Mesh, map: Option<&str>) -> Result<String, St
     let value = |name: &str| match name {
         "path" => without_extension(below),
         "stem" => without_extension(file),
+        "extension" => file.strip_prefix(without_extension(file)).unwrap_or_default().trim_start_matches('.'),
         "parent" => mesh.parent,
         _ => map.unwrap_or_default(),
     };

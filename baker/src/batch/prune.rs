@@ -30,8 +30,10 @@ pub fn tidy(out: &Path, assets: &[PlannedAsset], leftovers: Leftovers) -> Result
         return Ok(Vec::new());
     }
     let wanted: BTreeSet<&str> = assets.iter().map(|asset| asset.name.as_str()).collect();
-    let left: BTreeSet<String> =
-        names(out).filter(|(name, path)| !wanted.contains(name.as_str()) && is_ours(path)).map(|(name, _)| name).collect();
+    let left: BTreeSet<String> = names(out)
+        .filter(|(name, path)| !wanted.contains(name.as_str()) && is_ours(path))
+        .map(|(name, _)| name)
+        .collect();
     left.into_iter()
         .map(|name| match leftovers {
             Leftovers::Remove => remove(out, &name),
@@ -45,7 +47,8 @@ fn names(out: &Path) -> impl Iterator<Item = (String, std::path::PathBuf)> {
     let files = WalkDir::new(out).sort_by_file_name().into_iter().filter_map(Result::ok);
     files.filter(|entry| entry.file_type().is_file()).filter_map(move |entry| {
         let path = entry.into_path();
-        let parts: Vec<&str> = path.strip_prefix(out).ok()?.iter().map(|part| part.to_str()).collect::<Option<_>>()?;
+        let parts: Vec<&str> =
+            path.strip_prefix(out).ok()?.iter().map(|part| part.to_str()).collect::<Option<_>>()?;
         let parts = parts.strip_prefix(&["rejected"]).unwrap_or(&parts);
         let name = parts.join("/").strip_suffix(".h5")?.to_owned();
         Some((name, path))

@@ -100,13 +100,13 @@ mod tests {
     fn shards_are_named_or_found() {
         let shard = |index, count| Ok(Shard { index, count });
         assert_eq!(parsed("2/4", &[]), shard(2, 4));
-        let slurm = [
-            ("SLURM_ARRAY_TASK_ID", "3"),
-            ("SLURM_ARRAY_TASK_MIN", "1"),
-            ("SLURM_ARRAY_TASK_COUNT", "4"),
-        ];
+        let slurm =
+            [("SLURM_ARRAY_TASK_ID", "3"), ("SLURM_ARRAY_TASK_MIN", "1"), ("SLURM_ARRAY_TASK_COUNT", "4")];
         assert_eq!(parsed("auto", &slurm), shard(3, 4));
-        assert_eq!(parsed("auto", &[("SLURM_ARRAY_TASK_ID", "0"), ("SLURM_ARRAY_TASK_COUNT", "2")]), shard(1, 2));
+        assert_eq!(
+            parsed("auto", &[("SLURM_ARRAY_TASK_ID", "0"), ("SLURM_ARRAY_TASK_COUNT", "2")]),
+            shard(1, 2)
+        );
         let aws = [("AWS_BATCH_JOB_ARRAY_INDEX", "3"), ("AWS_BATCH_JOB_ARRAY_SIZE", "4")];
         assert_eq!(parsed("auto", &aws), shard(4, 4));
         assert_eq!(parsed("auto/4", &[("JOB_COMPLETION_INDEX", "0")]), shard(1, 4));

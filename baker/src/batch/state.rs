@@ -3,11 +3,11 @@
 
 use super::assets::PlannedAsset;
 use super::figures::figures;
+use super::gates;
 use super::job::Files;
 use super::journal::Records;
 use super::places::Places;
 use super::summary::{AssetReport, Figures};
-use super::gates;
 use crate::content_key::{Identity, difference, identify, key_of, parameters};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -151,7 +151,8 @@ fn look(
     };
     let (size, hash) = (bytes.len() as u64, blake3::hash(&bytes).to_hex().to_string());
     let recorded = record.filter(|record| record.file_blake3.as_ref() == Some(&hash));
-    let same_key = |record: &&AssetReport| record.identity.as_ref().is_some_and(|old| old.key == identity.key);
+    let same_key =
+        |record: &&AssetReport| record.identity.as_ref().is_some_and(|old| old.key == identity.key);
     let kept = |figures| Kept {
         failed_gates: Vec::new(),
         bytes: size,

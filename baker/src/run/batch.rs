@@ -86,7 +86,9 @@ fn read(arguments: &BatchArguments) -> Result<(Option<PathBuf>, Manifest, PathBu
     match arguments.inputs.as_slice() {
         [input] if is_manifest(input) => {
             if arguments.parameters != Parameters::default() {
-                bail!("{input}: parameters of the map, mesh and file stand in the manifest, under [defaults] bake");
+                bail!(
+                    "{input}: parameters of the map, mesh and file stand in the manifest, under [defaults] bake"
+                );
             }
             let path = PathBuf::from(input);
             let folder = path.parent().unwrap_or(Path::new("")).to_owned();

@@ -215,7 +215,11 @@ mod tests {
         assert!(!at(".volmap-left.part").exists() && at("other.part").exists());
         assert!(at_work.path().exists());
         let path = at_work.into_temp_path().keep().unwrap();
-        assert_eq!((clear_leftovers(folder.path()).unwrap(), path.exists()), (1, false), "its program is gone");
+        assert_eq!(
+            (clear_leftovers(folder.path()).unwrap(), path.exists()),
+            (1, false),
+            "its program is gone"
+        );
         assert!(clear_leftovers(&at("missing")).is_err());
     }
 }
