@@ -144,6 +144,10 @@ impl Recipe {
             ("density", map.density.is_some().to_string()),
             ("kernel", map.density.map_or("none".into(), |density| density.kernel.to_string())),
             ("density_quadrature", map.density.map_or("none".into(), |density| density.rule.to_string())),
+            (
+                "density_extension",
+                map.density.map_or("none".into(), |density| format!("{:?}", density.extension)),
+            ),
             ("sign", format!("{:?}", self.bake.sign).to_lowercase()),
             ("check_sign", self.bake.check_sign.to_string()),
             ("keep_orientation", self.bake.keep_orientation.to_string()),

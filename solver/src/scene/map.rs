@@ -8,10 +8,12 @@ use crate::settings::{BoundaryMethod, World};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use volmap_baker::bake::{BakeSettings, bake};
+use volmap_baker::content_key;
 use volmap_baker::density_map::DensitySettings;
 use volmap_baker::input::{self, Input, InputSettings};
 use volmap_baker::plan::{GridChoice, Settings};
-use volmap_formats::asset::{self, Compression, Exterior, FORMAT_VERSION};
+use volmap_baker::recipe::Recipe;
+use volmap_formats::asset::{self, Compression, Exterior};
 use volmap_formats::mesh::{Placement, TriangleMesh, UpAxis};
 use volmap_runtime::{ClosureKind, Dimension, KernelKind, VolumeMap};
 
@@ -28,7 +30,7 @@ pub struct Shape {
     pub mesh: Option<Arc<TriangleMesh>>,
     /// Where the map comes from.
     pub origin: Origin,
-    /// BLAKE3 of what its file holds: the map's bytes, or the mesh's with what was read of the files that it names.
+    /// BLAKE3 of the map's bytes, or of the content key of the mesh and its bake.
     pub content: [u8; 32],
 }
 
@@ -174,16 +176,23 @@ impl<'a> Library<'a> {
         settings: &Bake,
         density: Option<KernelKind>,
     ) -> Result<Shape, Error> {
-        let (placing, baking) = (input_settings(settings), self.bake_settings(settings, density));
+        let recipe = Recipe {
+            input: input_settings(settings),
+            bake: self.bake_settings(settings, density),
+            compression: Compression::default(),
+        };
+        let key = content_key::identify(path, recipe.effective())?.key;
+        let Recipe { input: placing, bake: baking, .. } = recipe;
         let mut input = input::load(path, &placing)?;
-        let content = mesh_content(&input);
-        let cached = self.cache.join(cached_name(path, &content, &format!("{placing:?} {baking:?}")));
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+        let cached = self.cache.join(format!("{stem}-{}.h5", &key[..24]));
         let opened = cached.is_file().then(|| VolumeMap::open(&cached).ok()).flatten();
         let (map, origin) = match opened {
             Some(map) => (map, Origin::Cache),
             None => (self.baked(path, &cached, input.clone(), &baking)?, Origin::Baked),
         };
         volmap_baker::mesh::prepare(&mut input.mesh, baking.keep_orientation);
+        let content = *blake3::hash(key.as_bytes()).as_bytes();
         Ok(Shape { map: Arc::new(map), mesh: Some(Arc::new(input.mesh)), origin, content })
     }
 
@@ -277,34 +286,4 @@ fn open_asset(path: &Path) -> Result<Shape, Error> {
         return Err(Error::Scene { place: path.display().to_string(), reason: reason.into() });
     }
     Ok(Shape { map: Arc::new(map), mesh: None, origin: Origin::Asset, content })
-}
-
-/// Of the file and of the mesh, to which a glTF's buffers in other files belong.
-fn mesh_content(input: &Input) -> [u8; 32] {
-    /// Vertices or triangles that are hashed at a time.
-    const CHUNK: usize = 4096;
-    let mut hasher = blake3::Hasher::new();
-    hasher.update(input.source.blake3.as_bytes());
-    let mut bytes = Vec::new();
-    for chunk in input.mesh.vertices.chunks(CHUNK) {
-        bytes.clear();
-        bytes.extend(chunk.as_flattened().iter().flat_map(|x| x.to_le_bytes()));
-        hasher.update(&bytes);
-    }
-    for chunk in input.mesh.triangles.chunks(CHUNK) {
-        bytes.clear();
-        bytes.extend(chunk.as_flattened().iter().flat_map(|index| index.to_le_bytes()));
-        hasher.update(&bytes);
-    }
-    *hasher.finalize().as_bytes()
-}
-
-/// By the mesh's content, all that the bake depends on, the program.
-fn cached_name(path: &Path, content: &[u8; 32], settings: &str) -> String {
-    let mut hasher = blake3::Hasher::new();
-    let rest = format!("{} {} {settings} ", env!("CARGO_PKG_VERSION"), FORMAT_VERSION);
-    hasher.update(rest.as_bytes());
-    hasher.update(content);
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    format!("{stem}-{}.h5", &hasher.finalize().to_hex()[..24])
 }
