@@ -130,7 +130,7 @@ impl Boundary {
                 Method::DensityMap
             }
             BoundaryMethod::Particles => {
-                Method::Particles(kernel, particles::of_bodies(bodies, world.particle_radius, &kernel)?)
+                Method::Particles(kernel, particles::of_bodies(bodies, world, &kernel)?)
             }
             BoundaryMethod::TubeMap => Method::TubeMap(kernel),
         };

@@ -32,7 +32,7 @@ pub use summary::{Summary, check, info};
 pub use volmap_baker::document::Syntax;
 
 use crate::error::Error;
-use crate::settings::{BoundaryMethod, FluidSettings, SolverSettings, World};
+use crate::settings::{BoundaryMethod, BoundarySampling, FluidSettings, SolverSettings, World};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -61,6 +61,9 @@ pub struct Scene {
     /// How the fluid sees bodies.
     #[serde(default)]
     pub boundary: BoundaryMethod,
+    /// How boundary particles lie, with `particles` only. Default: even.
+    #[serde(default)]
+    pub boundary_sampling: Option<BoundarySampling>,
     /// How a map's volume becomes a density, with `volume_map` only. Default: mirror.
     #[serde(default)]
     pub closure: Option<ClosureKind>,
@@ -113,6 +116,7 @@ impl Default for Scene {
             support_radius: None,
             kernel: World::default().kernel,
             boundary: BoundaryMethod::default(),
+            boundary_sampling: None,
             closure: None,
             gravity: default_gravity(),
             domain: None,
@@ -155,6 +159,7 @@ impl Scene {
             support_radius: self.support_radius(),
             kernel: self.kernel,
             boundary: self.boundary,
+            sampling: self.boundary_sampling.unwrap_or_default(),
             closure: self.closure.unwrap_or(World::default().closure),
             gravity: self.gravity.into(),
         }

@@ -126,6 +126,17 @@ pub enum BoundaryMethod {
     TubeMap,
 }
 
+/// How boundary particles lie on a body's surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum BoundarySampling {
+    /// As evenly as they can.
+    #[default]
+    Even,
+    /// Blue noise, as most programs have it: a bumpier wall, for comparison.
+    BlueNoise,
+}
+
 /// The boundary's pressure p_b in the force on the fluid, beside the particle's own pressure (Band et al. 2018, Eq. 1).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
@@ -173,6 +184,8 @@ pub struct World {
     pub kernel: KernelKind,
     /// How the fluid sees bodies.
     pub boundary: BoundaryMethod,
+    /// How boundary particles lie.
+    pub sampling: BoundarySampling,
     /// From the boundary's volume to its density; of volume maps.
     pub closure: ClosureKind,
     /// Gravity, m/s^2.
@@ -249,6 +262,7 @@ impl Default for World {
             support_radius: 0.1,
             kernel: KernelKind::CubicSpline,
             boundary: BoundaryMethod::VolumeMap,
+            sampling: BoundarySampling::Even,
             closure: ClosureKind::Mirror,
             gravity: DVec3::new(0.0, -9.81, 0.0),
         }

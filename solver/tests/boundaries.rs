@@ -247,6 +247,8 @@ fn settings_that_contradict_are_refused() {
     let body = "[[bodies]]\nmap = \"a.h5\"\n";
     let both = refused("boundary = \"particles\"\nclosure = \"mirror\"");
     assert!(both.contains("scene.toml:4:1: closure: belongs to volume maps"), "{both}");
+    let sampling = refused("boundary_sampling = \"blue_noise\"");
+    assert!(sampling.contains("boundary_sampling: belongs to boundary particles"), "{sampling}");
     let map = refused(&format!("boundary = \"particles\"\n{body}"));
     assert!(map.contains("scene.toml:5:1: bodies[0].map: ") && map.contains("give `mesh`"), "{map}");
     let kernel = refused("boundary = \"density_map\"\nkernel = \"spiky\"");

@@ -23,6 +23,10 @@ pub struct Named {
 pub const PARTICLES: Named =
     Named { name: "particles", method: Method::of(BoundaryMethod::Particles, BoundaryPressure::Mirror) };
 
+/// The same on blue noise, as the authors of Bender et al. 2020 sample surfaces.
+pub const BLUE_NOISE: Named =
+    Named { name: "particles, blue noise", method: Method::blue_noise(BoundaryPressure::Mirror) };
+
 /// Koschier and Bender 2017.
 pub const DENSITY_MAP: Named =
     Named { name: "density map", method: Method::of(BoundaryMethod::DensityMap, BoundaryPressure::Mirror) };

@@ -1,7 +1,7 @@
 //! Single particles slide down a plane: Bender et al. 2020, *Implicit Frictional Boundary Handling for SPH*, Fig. 7. A plane
 //! made of particles is bumpy and throws them about, a map is smooth.
 
-use super::boundaries::{DENSITY_MAP, Named, PAPER_MAP, PARTICLES, VOLUME_MAP};
+use super::boundaries::{BLUE_NOISE, DENSITY_MAP, Named, PAPER_MAP, PARTICLES, VOLUME_MAP};
 use crate::error::Error;
 use crate::simulation::Simulation;
 use crate::validation::flow::GRAVITY;
@@ -28,7 +28,10 @@ const WAY: f64 = 3.0;
 fn run(run: &Run) -> Result<Outcome, Error> {
     let mut outcome = Outcome::default();
     let (mut paths, mut heights) = (Vec::new(), Vec::new());
-    let methods = run.pick(&[PARTICLES, VOLUME_MAP][..], &[PARTICLES, DENSITY_MAP, PAPER_MAP, VOLUME_MAP]);
+    let methods = run.pick(
+        &[BLUE_NOISE, PARTICLES, VOLUME_MAP][..],
+        &[BLUE_NOISE, PARTICLES, DENSITY_MAP, PAPER_MAP, VOLUME_MAP],
+    );
     for (method, colour) in methods.iter().zip(DISTINCT) {
         (run.progress)(&format!("incline: {}", method.name));
         let slide = slide(method)?;

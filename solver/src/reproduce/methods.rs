@@ -5,7 +5,9 @@ use crate::boundary::{Boundary, Wall, density_map};
 use crate::error::Error;
 use crate::particles::Particles;
 use crate::scene::map::cell_size;
-use crate::settings::{BoundaryMethod, BoundaryPressure, FluidSettings, SolverSettings, World};
+use crate::settings::{
+    BoundaryMethod, BoundaryPressure, BoundarySampling, FluidSettings, SolverSettings, World,
+};
 use crate::simulation::{Setup, Simulation, StepReport};
 use crate::validation::flow::GRAVITY;
 use crate::validation::shapes::{Shape, baked_by};
@@ -19,6 +21,8 @@ use volmap_runtime::{ClosureKind, DVec3, KernelKind};
 pub struct Method {
     /// How bodies are seen.
     pub boundary: BoundaryMethod,
+    /// Of boundary particles.
+    pub sampling: BoundarySampling,
     /// Of volume maps.
     pub closure: ClosureKind,
     /// The boundary's pressure.
@@ -50,12 +54,18 @@ pub struct Scenery {
 impl Method {
     /// Volume maps with a closure.
     pub const fn maps(closure: ClosureKind, pressure: BoundaryPressure) -> Method {
-        Method { boundary: BoundaryMethod::VolumeMap, closure, pressure }
+        Method { closure, ..Method::of(BoundaryMethod::VolumeMap, pressure) }
     }
 
     /// Any other.
     pub const fn of(boundary: BoundaryMethod, pressure: BoundaryPressure) -> Method {
-        Method { boundary, closure: ClosureKind::Mirror, pressure }
+        Method { boundary, sampling: BoundarySampling::Even, closure: ClosureKind::Mirror, pressure }
+    }
+
+    /// Boundary particles as blue noise.
+    pub const fn blue_noise(pressure: BoundaryPressure) -> Method {
+        let even = Method::of(BoundaryMethod::Particles, pressure);
+        Method { sampling: BoundarySampling::BlueNoise, ..even }
     }
 
     /// How bodies are seen, in words.
@@ -63,7 +73,10 @@ impl Method {
         match self.boundary {
             BoundaryMethod::VolumeMap => format!("volume map, {}", self.closure),
             BoundaryMethod::DensityMap => "density map".into(),
-            BoundaryMethod::Particles => "particles".into(),
+            BoundaryMethod::Particles => match self.sampling {
+                BoundarySampling::Even => "particles".into(),
+                BoundarySampling::BlueNoise => "particles, blue noise".into(),
+            },
             BoundaryMethod::TubeMap => "tube map".into(),
         }
     }
@@ -78,6 +91,7 @@ impl Method {
             particle_radius: radius,
             support_radius: 4.0 * radius,
             boundary: self.boundary,
+            sampling: self.sampling,
             closure: self.closure,
             gravity: DVec3::new(0.0, -GRAVITY, 0.0),
             ..World::default()

@@ -2,7 +2,7 @@
 //! Frictional Boundary Handling for SPH*, Figs. 8 and 9. A plane made of particles is bumpy: it brakes, turns and shifts the
 //! puck; a map must not.
 
-use super::boundaries::{DENSITY_MAP, Named, PAPER_MAP, PARTICLES, VOLUME_MAP};
+use super::boundaries::{BLUE_NOISE, DENSITY_MAP, Named, PAPER_MAP, PARTICLES, VOLUME_MAP};
 use super::rigid::Rigid;
 use crate::bodies::Motion;
 use crate::error::Error;
@@ -44,7 +44,10 @@ const REST: f64 = 1.0;
 fn run(run: &Run) -> Result<Outcome, Error> {
     let mut outcome = Outcome::default();
     let [mut spins, mut ways, mut speeds] = [const { Vec::new() }; 3];
-    let methods = run.pick(&[PARTICLES, VOLUME_MAP][..], &[PARTICLES, DENSITY_MAP, PAPER_MAP, VOLUME_MAP]);
+    let methods = run.pick(
+        &[BLUE_NOISE, PARTICLES, VOLUME_MAP][..],
+        &[BLUE_NOISE, PARTICLES, DENSITY_MAP, PAPER_MAP, VOLUME_MAP],
+    );
     for (method, colour) in methods.iter().zip(DISTINCT) {
         let plane =
             method.baked(cuboid(DVec3::new(-HALF, -0.15, -HALF), DVec3::new(HALF, 0.0, HALF)), RP, false)?;
@@ -213,7 +216,8 @@ impl Track {
         let loss = Row::new(&case, "part of the spin that was lost", "", 1.0 - last.spin / SPIN);
         let rows = &mut outcome.rows;
         rows.push(match method.name {
-            name if name == PARTICLES.name => loss.paper(0.9),
+            name if name == BLUE_NOISE.name => loss.paper(0.9),
+            name if name == PARTICLES.name => loss,
             name if name == DENSITY_MAP.name => loss,
             _ => loss.paper(0.01).between(-0.01, 0.01),
         });

@@ -75,7 +75,7 @@ fn run(run: &Run) -> Result<Outcome, Error> {
 
 const NOTE: &str = "r = 0.1 m, rp = r / 4, cells of r / 4, distances 0.5 to 3 rp. Density and tube maps have the integral of gamma W \
                     over the solid and 0.2 r around it (Eq. 9 and 11), `calibrated` and `wedge` that of W over the solid: each is \
-                    compared with its own. `mirror` and particles have no integral. The peer's tube maps weren't run here.";
+                    compared with its own. `mirror` and particles have no integral. The authors' own tube maps: solver/benches/compare_tube_maps.py.";
 
 fn cube_distance(x: DVec3, low: DVec3, high: DVec3) -> f64 {
     let out = (low - x).max(x - high);

@@ -12,6 +12,11 @@ pub(super) fn boundary(at: &At, scene: &Scene) -> Checked {
     at.require("closure", method == BoundaryMethod::VolumeMap || scene.closure.is_none(), || {
         "belongs to volume maps; leave it out, or take boundary = \"volume_map\"".into()
     })?;
+    at.require(
+        "boundary_sampling",
+        method == BoundaryMethod::Particles || scene.boundary_sampling.is_none(),
+        || "belongs to boundary particles; leave it out, or take boundary = \"particles\"".into(),
+    )?;
     let is_baked = density_map::smoothing(scene.world().kernel).is_some();
     at.require("kernel", method != BoundaryMethod::DensityMap || is_baked, || {
         "density maps are baked for cubic-spline and wendland-c2 only; take one of them, or another boundary"
