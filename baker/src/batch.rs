@@ -5,11 +5,13 @@
 //!          -> make (bake, gates, preview, report) -> summary -> page, junit
 //! ```
 
+pub mod asset_report;
 pub mod assets;
 pub mod check;
 pub mod cost;
 pub mod crew;
 pub mod engine;
+pub mod estimates;
 pub mod figures;
 #[cfg(test)]
 mod fixture;
@@ -21,6 +23,7 @@ pub mod log;
 pub mod make;
 pub mod manifest;
 pub mod measure;
+pub mod memory;
 pub mod merge;
 pub mod names;
 pub mod page;
@@ -29,6 +32,7 @@ pub mod places;
 pub mod preview;
 pub mod process;
 pub mod prune;
+pub mod publish;
 pub mod read;
 pub mod schedule;
 pub mod shard;

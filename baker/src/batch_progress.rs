@@ -51,6 +51,13 @@ impl BatchProgress {
     }
 }
 
+/// Nothing is drawn any more when an error is told.
+impl Drop for BatchProgress {
+    fn drop(&mut self) {
+        self.finish();
+    }
+}
+
 impl Bars {
     fn new() -> Bars {
         let all = MultiProgress::with_draw_target(ProgressDrawTarget::stderr());

@@ -2,19 +2,24 @@
 //! refers to, every parameter, the version of the algorithm. Names and times of files are no part of it.
 
 use crate::error::Error;
+use crate::input::{self, Input};
 use crate::recipe::Recipe;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use volmap_formats::asset::{Asset, Value};
 use volmap_formats::mesh::{self, MeshFormat};
 
-/// Raised whenever the same mesh and parameters give other values than before. A test pins an asset's bytes to it.
+/// Raised whenever the same mesh and parameters give other values than before, or the file another form. A test pins values
+/// to it.
 pub const ALGORITHM_VERSION: u32 = 1;
 
 /// The asset's attribute (of `bake`) that holds the key.
 pub const ATTRIBUTE: &str = "content_key";
+
+/// The parameter that a file decides.
+const FORMAT: &str = "format";
 
 /// What a file's hash is where there is no file.
 const MISSING: &str = "missing";
@@ -46,7 +51,7 @@ pub fn identify(path: &Path, parameters: BTreeMap<String, String>) -> Result<Ide
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut references = BTreeMap::new();
     for file in mesh::references(format, &bytes) {
-        let hash = match std::fs::read(folder.join(&file)) {
+        let hash = match mesh::read_bytes(&folder.join(&file)) {
             Ok(bytes) => hash(&bytes),
             Err(_) => MISSING.to_owned(),
         };
@@ -60,9 +65,36 @@ pub fn identify(path: &Path, parameters: BTreeMap<String, String>) -> Result<Ide
         algorithm: ALGORITHM_VERSION,
     };
     // The same bytes can be read in another way under another extension.
-    identity.parameters.insert("format".into(), format.to_string());
+    identity.parameters.insert(FORMAT.into(), format.to_string());
     identity.key = key(&identity);
     Ok(identity)
+}
+
+/// The files that a mesh file refers to; none if it can't be read.
+pub fn references(path: &Path) -> Vec<PathBuf> {
+    let Ok(bytes) = mesh::read_bytes(path) else { return Vec::new() };
+    let Ok(format) = MeshFormat::detect(path, &bytes) else { return Vec::new() };
+    let folder = path.parent().unwrap_or(Path::new(""));
+    mesh::references(format, &bytes).iter().map(|file| folder.join(file)).collect()
+}
+
+/// Reads a mesh that must be the one that was identified, with all that it refers to.
+///
+/// # Errors
+/// A mesh that can't be read, or that has changed since.
+pub fn load(path: &Path, recipe: &Recipe, identity: &Identity) -> Result<Input, Error> {
+    let input = input::load(path, &recipe.input)?;
+    let mut parameters = identity.parameters.clone();
+    parameters.remove(FORMAT);
+    match identify(path, parameters)?.key == identity.key {
+        true => Ok(input),
+        false => Err(Error::Unusable {
+            path: path.to_owned(),
+            reason:
+                "has changed, or a file that it refers to, or the program, since it was looked at; try again"
+                    .into(),
+        }),
+    }
 }
 
 /// Every parameter that an asset's bytes follow from.

@@ -36,18 +36,10 @@ pub enum Error {
     /// A file of another program can't be written or read.
     #[error(transparent)]
     Export(#[from] ExportError),
-    /// A map of another program can't be used as it is.
+    /// A file or a folder can't be used as it is.
     #[error("{}: {reason}", path.display())]
-    Import {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong with it and the cure.
-        reason: String,
-    },
-    /// The summary of a batch can't be used.
-    #[error("{}: {reason}", path.display())]
-    Summary {
-        /// The file.
+    Unusable {
+        /// Which.
         path: PathBuf,
         /// What is wrong with it and the cure.
         reason: String,

@@ -46,7 +46,7 @@ pub fn import(path: &Path, settings: &ImportSettings) -> Result<Import, Error> {
         return Err(Error::setting("--support-radius", format!("{r} is not a positive length")));
     }
     let bytes = std::fs::read(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
-    let refuse = |reason: String| Error::Import { path: path.to_owned(), reason };
+    let refuse = |reason: String| Error::Unusable { path: path.to_owned(), reason };
     let grid = cdm::from_bytes(&bytes).map_err(|error| refuse(error.to_string()))?;
     let mut import = from_grid(&grid, settings).map_err(refuse)?;
     VolumeMap::from_asset(&import.asset)?;

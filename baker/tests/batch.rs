@@ -349,6 +349,75 @@ fn limits_end_an_asset_and_not_the_batch() {
     let (_, text) = place.batch("out", &["--max-memory", "1GiB"]);
     let error = place.asset("out", "b")["error"].to_string();
     assert!(error.contains("more than --max-memory 1024 MiB"), "{text} {error}");
+    // A shard's costs are known before; its other assets are made all the same.
+    let (_, text) = place.batch("shard", &["--max-memory", "1GiB", "--shard", "1/1"]);
+    assert!(text.contains("more than --max-memory 1024 MiB") && text.contains("built"), "{text}");
+}
+
+#[test]
+fn what_is_not_the_batchs_own_stays() {
+    let place = Place::new(&[("a", 1.0), ("b", 1.5)], SOME);
+    let all = &["--cache", "out/cache"][..];
+    place.batch("out", all);
+    let sub = ["batch", "meshes/b.obj", "--out", "out/sub", "--support-radius", "0.25"];
+    assert!(place.run(&sub).status.success());
+    place.write("out/notes.h5", "somebody's");
+    std::fs::remove_file(place.at("meshes/b.obj")).unwrap();
+    let before = place.assets("out");
+    let (code, text) = place.batch("out", &[all, &["--prune"]].concat());
+    assert_eq!(code, Some(0), "{text}");
+    let after = place.assets("out");
+    let gone: Vec<&PathBuf> = before.keys().filter(|path| !after.contains_key(*path)).collect();
+    assert_eq!(gone, [Path::new("b.h5")], "the cache, another batch's folder and other files are left alone");
+    assert!(text.contains("b: removed"), "{text}");
+
+    // Folders of the batch's own are no names.
+    place.write(
+        "assets.toml",
+        "version = 1\n[[assets]]\nmesh = \"meshes/a.obj\"\nname = \"Rejected/{stem}\"\n",
+    );
+    let (code, text) = place.batch("out", &[]);
+    assert!(code == Some(2) && text.contains("folder of the batch's own"), "{text}");
+}
+
+#[test]
+fn renaming_and_pruning_at_once_bakes_nothing() {
+    let place = Place::new(&[("a", 1.0)], SOME);
+    place.batch("out", &[]);
+    std::fs::rename(place.at("meshes/a.obj"), place.at("meshes/b.obj")).unwrap();
+    place.batch("out", &["--prune"]);
+    assert_eq!(place.outcomes("out"), same(&["b"], "reused"));
+    assert_eq!(place.assets("out").len(), 1);
+}
+
+#[cfg(unix)]
+#[test]
+fn nobody_need_listen() {
+    let place = Place::new(&[("a", 1.0), ("b", 1.5)], SOME);
+    let command = format!("{VOLMAP} batch assets.toml --out out | true; exit ${{PIPESTATUS[0]}}");
+    let done = Command::new("bash").args(["-c", &command]).current_dir(place.0.path()).output().unwrap();
+    assert_eq!(done.status.code(), Some(0), "{}", String::from_utf8_lossy(&done.stderr));
+    assert_eq!(place.assets("out").len(), 2);
+}
+
+#[cfg(unix)]
+#[test]
+fn signals_stop_it_and_what_is_done_stays() {
+    let place = Place::new(&[("a", 1.0), ("b", 1.5)], SOME);
+    let slow = "[[assets]]\nmesh = \"meshes/b.obj\"\nbake = { cell_size = 0.008, quadrature = \"gl30\" }\n";
+    place.write("assets.toml", &format!("version = 1\n{SOME}{slow}"));
+    let batch = place.command(&["batch", "assets.toml", "--out", "out", "--jobs", "2"]).spawn().unwrap();
+    while !place.at("out/a.h5").exists() {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let kill = Command::new("kill").args(["-TERM", &batch.id().to_string()]).status().unwrap();
+    assert!(kill.success());
+    let done = batch.wait_with_output().unwrap();
+    assert_eq!(done.status.code(), Some(130), "{}", String::from_utf8_lossy(&done.stderr));
+    assert_eq!(place.summary("out")["interrupted"], true);
+    let outcomes = place.outcomes("out");
+    assert_eq!((&*outcomes["a"], &*outcomes["b"]), ("built", "not_tried"));
+    assert!(!place.at("out/b.h5").exists());
 }
 
 #[test]
@@ -381,7 +450,7 @@ fn verify_finds_what_is_not_as_it_should_be() {
     let lines: Vec<&str> = text.lines().collect();
     assert!(lines[0].starts_with("a: its mesh, its parameters or the program have changed"), "{text}");
     assert!(lines[1].starts_with("b: its file is damaged"), "{text}");
-    assert!(lines[2].starts_with("c: it is new") || lines[2].starts_with("c: its file is gone"), "{text}");
+    assert_eq!(lines[2], "c: its file is missing");
     assert_eq!(lines[3], "1 of 4 assets are good");
     assert!(!place.at("out/c.h5").exists(), "nothing is baked");
     let (_, json) = verify(&["--json"]);

@@ -7,6 +7,7 @@ use volmap_baker::batch::shard;
 use volmap_baker::batch::summary::Shard;
 use volmap_baker::parameters::{ByteSize, Parameters};
 
+/// Arguments of `volmap batch`.
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]
 pub struct BatchArguments {
@@ -17,12 +18,12 @@ pub struct BatchArguments {
     #[arg(short, long, value_name = "FOLDER", required_unless_present_any = ["schema", "merge", "list"])]
     pub out: Option<PathBuf>,
     /// Only assets with one of these tags
-    #[arg(long, value_name = "TAG")]
+    #[arg(long, value_name = "TAG", conflicts_with = "shard")]
     pub tag: Vec<String>,
     /// Say what would be made, and what it costs, and make nothing
     #[arg(long)]
     pub check: bool,
-    /// Print name, mesh and tags of every asset, with tabs between, and end
+    /// Print name, mesh, tags, and files that the mesh refers to, of every asset, with tabs between, and end
     #[arg(long, conflicts_with_all = ["check", "shard"])]
     pub list: bool,
     /// Say of every asset why it is made or not
@@ -79,6 +80,7 @@ pub enum Log {
     Json,
 }
 
+/// Arguments of `volmap verify`.
 #[derive(Debug, Args)]
 pub struct VerifyArguments {
     /// Folder of the assets

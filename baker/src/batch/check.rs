@@ -2,11 +2,11 @@
 
 use super::assets::Expanded;
 use super::crew::Crew;
-use super::engine::{Settings, costs, decisions};
+use super::engine::{Settings, decisions};
+use super::estimates::{estimates, own_part};
 use super::job::Cost;
 use super::journal::records;
 use super::schedule::{Schedule, Turn};
-use super::shard::partition;
 use super::state::Action;
 use crate::error::Error;
 use std::sync::atomic::AtomicBool;
@@ -40,16 +40,16 @@ pub struct Checked {
 /// # Errors
 /// A worker that can't be started.
 pub fn check(expanded: &Expanded, settings: &Settings, stop: &AtomicBool) -> Result<Check, Error> {
-    let mut crew = Crew::new(&settings.worker, settings.jobs, settings.max_memory, stop);
-    let costs = costs(&expanded.assets, settings, &mut crew)?;
-    let known: Vec<Option<Cost>> = costs.iter().map(|cost| cost.as_ref().ok().copied()).collect();
     let own: Vec<usize> = match settings.shard {
-        Some(part) => {
-            let shards = partition(&known, part.count);
-            (0..costs.len()).filter(|&index| shards[index] + 1 == part.index).collect()
+        Some(shard) => {
+            own_part(&expanded.assets, shard, settings, stop)?.into_iter().map(|(index, _)| index).collect()
         }
-        None => (0..costs.len()).collect(),
+        None => (0..expanded.assets.len()).collect(),
     };
+    let part: Vec<_> = own.iter().map(|&index| (index, &expanded.assets[index])).collect();
+    let mut costs = vec![Err("the check was stopped before".to_owned()); expanded.assets.len()];
+    let mut crew = Crew::new(&settings.worker, settings.jobs, settings.max_memory, stop);
+    estimates(&part, settings, &mut crew)?.into_iter().for_each(|(index, cost)| costs[index] = cost);
     let assets: Vec<_> = own.iter().map(|&index| &expanded.assets[index]).collect();
     let decisions = decisions(&assets, settings, &records(&settings.places.out, settings.shard));
     let checked = own.iter().zip(&assets).zip(decisions).map(|((&index, asset), decision)| {

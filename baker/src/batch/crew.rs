@@ -129,6 +129,10 @@ impl<'a> Crew<'a> {
             Heard::End => Err(seat.worker.take().map(|(_, worker)| worker.end()).unwrap_or_default()),
         };
         let Some(work) = seat.work.take() else { return Ok(true) };
+        if work.ended.is_some() {
+            // Its end may be heard of later; the next job isn't for the dead.
+            seat.worker = None;
+        }
         schedule.finished(&work.turn);
         let reply = reply.map_err(|how| work.ended.unwrap_or(how));
         foreman.done(index, &work.turn, reply)
@@ -156,6 +160,9 @@ impl<'a> Crew<'a> {
         }
         let largest = self.seats.iter_mut().zip(&uses).max_by_key(|(_, uses)| **uses);
         if let Some((Seat { work: Some(work), worker: Some((_, worker)) }, uses)) = largest {
+            if work.ended.is_some() {
+                return;
+            }
             let (has, most) = (uses >> 20, self.max_memory >> 20);
             work.ended = Some(format!(
                 "took {has} MiB when the batch had reached its --max-memory of {most} MiB; fewer --jobs, larger cells, or allow more"

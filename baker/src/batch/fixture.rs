@@ -49,6 +49,7 @@ pub fn batch(assets: Vec<AssetReport>) -> Summary {
         program_version: "0.1.0".into(),
         manifest: Some("assets.toml".into()),
         shard: None,
+        tags: Vec::new(),
         interrupted: false,
         counts: Counts::of(&assets),
         seconds: 12.5,

@@ -56,16 +56,31 @@ pub struct Order {
 /// Where an asset and what belongs to it go; folders are made when they are needed.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Files {
-    /// The asset.
-    pub output: PathBuf,
-    /// The asset, if a gate refuses it.
-    pub rejected: PathBuf,
-    /// Its place in the cache, if there is one.
+    /// If it is good.
+    pub good: Lot,
+    /// If a gate refuses it.
+    pub rejected: Lot,
+    /// The asset's place in the cache, if there is one.
     pub cached: Option<PathBuf>,
+}
+
+/// An asset and what belongs to it.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Lot {
+    /// The asset.
+    pub asset: PathBuf,
     /// Its picture.
     pub preview: PathBuf,
-    /// Its report without the ending `.html` or `.json`, if there shall be one.
+    /// The page of its report, if there shall be one; its JSON lies beside.
     pub report: Option<PathBuf>,
+}
+
+impl Lot {
+    /// All files.
+    pub fn all(&self) -> Vec<PathBuf> {
+        let report = self.report.iter().flat_map(|page| [page.clone(), page.with_extension("json")]);
+        [self.asset.clone(), self.preview.clone()].into_iter().chain(report).collect()
+    }
 }
 
 /// What a worker says.

@@ -1,13 +1,16 @@
 //! What a batch has done so far, a line of JSON an asset: a killed one leaves it to the next. It is also the lock that
 //! keeps two batches out of one folder.
 
-use super::places::of_shard;
+use super::places::of_part;
 use super::summary::{AssetReport, Shard, Summary};
 use crate::error::Error;
 use std::collections::BTreeMap;
 use std::fs::{File, TryLockError};
-use std::io::{BufRead, BufReader, Seek, Write};
+use std::io::{BufRead, BufReader, Seek, SeekFrom, Write};
 use std::path::{Component, Path, PathBuf};
+
+/// How names of journals begin.
+pub const JOURNAL: &str = ".volmap-batch";
 
 /// The journal of a batch at work.
 pub struct Journal {
@@ -26,19 +29,21 @@ impl Journal {
     pub fn open(out: &Path, shard: Option<Shard>) -> Result<(Journal, Records), Error> {
         let path = path(out, shard);
         let io = |source| Error::Io { path: path.clone(), source };
-        let file = File::options().read(true).append(true).create(true).open(&path).map_err(io)?;
+        let options = &mut File::options();
+        let mut file = options.read(true).write(true).create(true).truncate(false).open(&path).map_err(io)?;
         if let Err(TryLockError::WouldBlock) = file.try_lock() {
-            return Err(Error::Import {
+            return Err(Error::Unusable {
                 path: out.to_owned(),
                 reason: "another batch is at work in this folder; wait for it, or take another --out".into(),
             });
         }
-        let records = records(out, shard);
-        let mut journal = Journal { path, file };
-        if journal.file.metadata().is_ok_and(|found| found.len() > 0) {
-            journal.write(b"\n")?;
+        let mut records = of_summaries(out);
+        add_lines(&mut records, &file);
+        // The last line may be a part of one.
+        if file.seek(SeekFrom::End(0)).map_err(io)? > 0 {
+            file.write_all(b"\n").map_err(io)?;
         }
-        Ok((journal, records))
+        Ok((Journal { path, file }, records))
     }
 
     /// Notes an asset.
@@ -69,17 +74,20 @@ impl Journal {
 pub fn records(out: &Path, shard: Option<Shard>) -> Records {
     let mut records = of_summaries(out);
     if let Ok(file) = File::open(path(out, shard)) {
-        // The last line of a killed batch may be a part of one.
-        let lines = BufReader::new(file).lines().map_while(Result::ok);
-        let reports = lines.filter_map(|line| serde_json::from_str::<AssetReport>(&line).ok());
-        records.extend(reports.map(|report| (report.name.clone(), report)));
+        add_lines(&mut records, &file);
     }
-    records.retain(|name, _| stays_inside(name));
     records
 }
 
+fn add_lines(records: &mut Records, file: &File) {
+    let lines = BufReader::new(file).lines().map_while(Result::ok);
+    let reports = lines.filter_map(|line| serde_json::from_str::<AssetReport>(&line).ok());
+    records.extend(reports.map(|report| (report.name.clone(), report)));
+    records.retain(|name, _| stays_inside(name));
+}
+
 fn path(out: &Path, shard: Option<Shard>) -> PathBuf {
-    out.join(of_shard(".volmap-batch", "jsonl", shard))
+    out.join(of_part(JOURNAL, "jsonl", shard, &[]))
 }
 
 /// Of the batch's summary and of its shards'. One that can't be read is as good as none: assets are looked at instead.
@@ -101,6 +109,7 @@ fn of_summaries(out: &Path) -> Records {
         let known = summary.assets.into_iter().filter(|report| report.file_blake3.is_some());
         records.extend(known.map(|report| (report.name.clone(), report)));
     }
+    records.retain(|name, _| stays_inside(name));
     records
 }
 

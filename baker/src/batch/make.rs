@@ -1,12 +1,10 @@
 //! One asset of a batch, from its mesh or from a file of the same content key to its place.
 
-use super::job::{Files, Made, Order};
+use super::job::{Made, Order};
 use super::{figures::figures, gates, measure, preview};
 use crate::bake::{Step, bake};
-use crate::content_key::{ATTRIBUTE, key_of};
+use crate::content_key::{self, ATTRIBUTE, key_of};
 use crate::error::Error;
-use crate::input::{self, Input};
-use crate::provenance::input_settings;
 use crate::recipe::Recipe;
 use crate::report::{self, page::page, report};
 use std::path::{Path, PathBuf};
@@ -32,15 +30,20 @@ pub fn make(order: &Order, on_step: &mut dyn FnMut(&str)) -> Result<Made, Error>
     };
     let figures = figures(&asset);
     let failed_gates = gates::failed(&order.gates, &figures, bytes.len() as u64);
+    let lot = if failed_gates.is_empty() { &order.files.good } else { &order.files.rejected };
     on_step("drawing");
-    publish(&order.files.preview, &preview::preview(&VolumeMap::from_asset(&asset)?))?;
-    if let Some(base) = &order.files.report {
+    publish(&lot.preview, &preview::preview(&VolumeMap::from_asset(&asset)?))?;
+    if let Some(page) = &lot.report {
         on_step("measuring for the report");
-        write_report(base, &asset, order)?;
+        write_report(page, &asset, order)?;
     }
     on_step("writing");
-    notes.extend(keep(&bytes, &order.files));
-    place(&bytes, &order.files, failed_gates.is_empty())?;
+    notes.extend(keep(&bytes, order));
+    publish(&lot.asset, &bytes)?;
+    if failed_gates.is_empty() {
+        // It may have been refused before, and isn't any more.
+        order.files.rejected.all().iter().for_each(|file| _ = std::fs::remove_file(file));
+    }
     Ok(Made {
         from,
         failed_gates,
@@ -53,18 +56,20 @@ pub fn make(order: &Order, on_step: &mut dyn FnMut(&str)) -> Result<Made, Error>
     })
 }
 
-/// What the asset in a file says of the mesh's name is of its own mesh, which may have had another.
+/// What an asset says of its mesh's name and of the program are those of another day; with today's it is what a bake would
+/// give.
 fn reuse(path: &Path, order: &Order, recipe: &Recipe) -> Option<(Asset, Vec<u8>, Option<PathBuf>)> {
-    let bytes = std::fs::read(path).ok()?;
-    let mut asset = asset::from_bytes(bytes.clone()).ok()?;
-    if key_of(&asset) != Some(&order.identity.key) {
-        return None;
+    let (mut asset, mut bytes) = read_same(path, &order.identity.key)?;
+    let names =
+        [("file", file_name(&order.subject.mesh)), ("program_version", env!("CARGO_PKG_VERSION").into())];
+    let mut is_same = true;
+    for (attribute, name) in names {
+        let name = Value::from(name.as_str());
+        is_same &= asset.source.insert(attribute.into(), name.clone()) == Some(name);
     }
-    let name = Value::from(file_name(&order.subject.mesh).as_str());
-    let bytes = match asset.source.insert("file".into(), name.clone()) {
-        Some(same) if same == name => bytes,
-        _ => asset::encode(&asset, recipe.compression).ok()?,
-    };
+    if !is_same {
+        bytes = asset::encode(&asset, recipe.compression).ok()?;
+    }
     Some((asset, bytes, Some(path.to_owned())))
 }
 
@@ -74,7 +79,7 @@ fn file_name(path: &Path) -> String {
 
 fn baked(order: &Order, recipe: &Recipe, on_step: &mut dyn FnMut(&str)) -> Result<(Asset, Vec<u8>), Error> {
     on_step("reading");
-    let input = load(order, recipe)?;
+    let input = content_key::load(&order.subject.mesh, recipe, &order.identity)?;
     let mut settings = recipe.bake.clone();
     settings.map.max_memory = order.max_memory;
     let mut step = |step: Step| on_step(step.name());
@@ -89,54 +94,35 @@ fn baked(order: &Order, recipe: &Recipe, on_step: &mut dyn FnMut(&str)) -> Resul
     Ok((asset, bytes))
 }
 
-fn load(order: &Order, recipe: &Recipe) -> Result<Input, Error> {
-    let mesh = &order.subject.mesh;
-    let input = input::load(mesh, &recipe.input)?;
-    match input.source.blake3 == order.identity.mesh {
-        true => Ok(input),
-        false => Err(Error::Import {
-            path: mesh.clone(),
-            reason: "has changed since the batch began; run the batch again".into(),
-        }),
-    }
-}
-
 /// Into the cache, which may be another machine's and full or gone: then the batch does without.
-fn keep(bytes: &[u8], files: &Files) -> Option<String> {
-    let cached = files.cached.as_ref()?;
-    let same = std::fs::read(cached).is_ok_and(|old| old == bytes);
-    let error = (!same).then(|| publish(cached, bytes).err()).flatten()?;
+fn keep(bytes: &[u8], order: &Order) -> Option<String> {
+    let cached = order.files.cached.as_ref()?;
+    if read_same(cached, &order.identity.key).is_some() {
+        return None;
+    }
+    if let Some(folder) = cached.parent() {
+        // What killed writers left there is nobody else's to clear. A folder that isn't there has nothing left.
+        let _ = asset::clear_leftovers(folder);
+    }
+    let error = publish(cached, bytes).err()?;
     Some(format!("not kept in the cache: {error}"))
 }
 
-fn place(bytes: &[u8], files: &Files, is_good: bool) -> Result<(), Error> {
-    let to = if is_good { &files.output } else { &files.rejected };
-    publish(to, bytes)?;
-    if is_good && files.rejected.exists() {
-        // It was refused before and isn't any more.
-        let _ = std::fs::remove_file(&files.rejected);
-    }
-    Ok(())
+/// The asset in a file and its bytes, if it has this key.
+fn read_same(path: &Path, key: &str) -> Option<(Asset, Vec<u8>)> {
+    let bytes = std::fs::read(path).ok()?;
+    let asset = asset::from_bytes(bytes.clone()).ok()?;
+    (key_of(&asset) == Some(key)).then_some((asset, bytes))
 }
 
-fn write_report(base: &Path, asset: &Asset, order: &Order) -> Result<(), Error> {
-    let mesh = input::load(&order.subject.mesh, &input_settings(asset)?)?;
-    let settings = report::Settings {
-        max_error: order.gates.max_error.map(|part| part.0),
-        ..report::Settings::default()
-    };
-    let found = report(asset, Some(mesh), &settings, &mut |_| ())?;
+/// Without a verdict: gates may change, and the page stays.
+fn write_report(path: &Path, asset: &Asset, order: &Order) -> Result<(), Error> {
+    let mesh = content_key::load(&order.subject.mesh, &order.subject.parameters.recipe(), &order.identity)?;
+    let found = report(asset, Some(mesh), &report::Settings::default(), &mut |_| ())?;
     let json = serde_json::to_string_pretty(&found.findings).expect("numbers and text") + "\n";
-    let html = page(&file_name(&order.files.output), &found.findings, found.pictures()).to_html();
-    publish(&with_ending(base, ".json"), json.as_bytes())?;
-    publish(&with_ending(base, ".html"), html.as_bytes())
-}
-
-/// A path with an ending that may follow a dot in its name.
-pub fn with_ending(base: &Path, ending: &str) -> PathBuf {
-    let mut name = base.as_os_str().to_owned();
-    name.push(ending);
-    name.into()
+    let html = page(&file_name(&order.files.good.asset), &found.findings, found.pictures()).to_html();
+    publish(&path.with_extension("json"), json.as_bytes())?;
+    publish(path, html.as_bytes())
 }
 
 fn publish(path: &Path, bytes: &[u8]) -> Result<(), Error> {

@@ -26,7 +26,10 @@ pub fn note_error(asset: &mut Asset, input: &Input, points: u32) -> Result<(), E
         return Ok(());
     }
     let error = measure(asset, input.clone(), points as usize)?;
-    asset.bake.extend(describe::measured_error(&error, FINE_RULE));
+    // Without a point in the fluid nothing is known.
+    if error.points > 0 {
+        asset.bake.extend(describe::measured_error(&error, FINE_RULE));
+    }
     Ok(())
 }
 
@@ -43,7 +46,10 @@ fn measure(asset: &Asset, input: Input, points: usize) -> Result<MeasuredError, 
     let errors: Vec<f64> = fluid.par_iter().map_init(Neighbours::default, error).collect();
     let squares: f64 = errors.iter().map(|error| error * error).sum();
     Ok(MeasuredError {
-        max: errors.iter().copied().fold(0.0, f64::max),
+        max: errors
+            .iter()
+            .map(|error| if error.is_nan() { f64::INFINITY } else { *error })
+            .fold(0.0, f64::max),
         rms: (squares / errors.len().max(1) as f64).sqrt(),
         points: errors.len(),
     })

@@ -23,6 +23,7 @@ pub fn merge(mut parts: Vec<Summary>) -> Result<Summary, Error> {
         program_version: first.program_version.clone(),
         manifest: first.manifest.clone(),
         shard: None,
+        tags: Vec::new(),
         interrupted: parts.iter().any(|part| part.interrupted),
         counts: Counts::of(&assets),
         seconds: parts.iter().map(|part| part.seconds).fold(0.0, f64::max),

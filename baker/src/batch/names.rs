@@ -3,6 +3,9 @@
 /// The longest part of a name, bytes: file systems allow 255, endings take the rest.
 const MAX_PART: usize = 200;
 
+/// Folders in which a batch keeps what isn't an asset to be used.
+const RESERVED: [&str; 2] = ["rejected", "reports"];
+
 /// What may stand in braces.
 const PLACEHOLDERS: [&str; 5] = ["path", "stem", "extension", "parent", "map"];
 
@@ -87,6 +90,15 @@ pub fn check(name: &str) -> Result<(), String> {
         "" => Err("the name is empty".into()),
         _ if name.starts_with('/') => {
             Err(format!("`{name}` is an absolute path; names are below the output folder"))
+        }
+        _ if RESERVED
+            .iter()
+            .any(|part| name.split('/').next().is_some_and(|first| first.eq_ignore_ascii_case(part))) =>
+        {
+            Err(format!(
+                "`{name}` begins with a folder of the batch's own ({}); name it otherwise",
+                RESERVED.join(", ")
+            ))
         }
         _ => name.split('/').try_for_each(check_part).map_err(|reason| match name.contains('/') {
             true => format!("`{name}`: {reason}"),

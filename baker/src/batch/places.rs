@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! OUT/NAME.h5                    the asset
-//! OUT/rejected/NAME.h5           the asset, if a gate refused it
+//! OUT/rejected/NAME.h5           the asset, if a gate refused it, with its picture and report
 //! OUT/reports/NAME.preview.png   its picture
 //! OUT/reports/NAME.report.html   its report, and .json
 //! OUT/summary.json, .html, junit.xml (of a shard: summary.2-of-4.json, ...)
@@ -10,8 +10,7 @@
 //! CACHE/ab/ab12...ef.h5          an asset by its content key
 //! ```
 
-use super::job::Files;
-use super::make::with_ending;
+use super::job::{Files, Lot};
 use super::summary::Shard;
 use std::path::{Path, PathBuf};
 
@@ -24,43 +23,51 @@ pub struct Places {
     pub cache: Option<PathBuf>,
 }
 
-/// The asset's file, relative to the output folder.
-pub fn output(name: &str) -> String {
-    format!("{name}.h5")
+/// An asset and what belongs to it, relative to the output folder.
+pub struct Names {
+    /// The asset.
+    pub asset: String,
+    /// Its picture.
+    pub preview: String,
+    /// Its report.
+    pub report: String,
 }
 
-/// Its picture.
-pub fn preview(name: &str) -> String {
-    format!("reports/{name}.preview.png")
+/// The files of an asset, good or rejected.
+pub fn names(name: &str, is_rejected: bool) -> Names {
+    let (asset, rest) = if is_rejected { ("rejected/", "rejected/") } else { ("", "reports/") };
+    Names {
+        asset: format!("{asset}{name}.h5"),
+        preview: format!("{rest}{name}.preview.png"),
+        report: format!("{rest}{name}.report.html"),
+    }
 }
 
-/// Its report.
-pub fn report(name: &str) -> String {
-    format!("reports/{name}.report.html")
-}
-
-/// Where it lies if a gate refused it.
-pub fn rejected(name: &str) -> String {
-    format!("rejected/{name}.h5")
-}
-
-/// `STEM.ENDING` of a batch, or that of a shard.
-pub fn of_shard(stem: &str, ending: &str, shard: Option<Shard>) -> String {
+/// `STEM.ENDING` of a batch, or that of a part of it.
+pub fn of_part(stem: &str, ending: &str, shard: Option<Shard>, tags: &[String]) -> String {
+    let plain = |tag: &String| tag.replace(|c: char| !c.is_alphanumeric() && c != '-', "_");
+    let tags: String = tags.iter().map(|tag| format!(".tag-{}", plain(tag))).collect();
     match shard {
-        None => format!("{stem}.{ending}"),
-        Some(Shard { index, count }) => format!("{stem}.{index}-of-{count}.{ending}"),
+        None => format!("{stem}{tags}.{ending}"),
+        Some(Shard { index, count }) => format!("{stem}{tags}.{index}-of-{count}.{ending}"),
     }
 }
 
 impl Places {
     /// Files of an asset with this name and key.
     pub fn files(&self, name: &str, key: &str, with_report: bool) -> Files {
+        let lot = |is_rejected| {
+            let names = names(name, is_rejected);
+            Lot {
+                asset: self.out.join(names.asset),
+                preview: self.out.join(names.preview),
+                report: with_report.then(|| self.out.join(names.report)),
+            }
+        };
         Files {
-            output: self.out.join(output(name)),
-            rejected: self.out.join(rejected(name)),
+            good: lot(false),
+            rejected: lot(true),
             cached: self.cache.as_deref().map(|cache| cached(cache, key)),
-            preview: self.out.join(preview(name)),
-            report: with_report.then(|| with_ending(&self.out.join("reports").join(name), ".report")),
         }
     }
 }

@@ -63,9 +63,7 @@ impl Worker {
 
     /// Memory that it has in use, bytes, where the system tells.
     pub fn memory(&self) -> Option<u64> {
-        let text = std::fs::read_to_string(format!("/proc/{}/statm", self.child.id())).ok()?;
-        // In pages, which have 4 KiB or more.
-        Some(text.split(' ').nth(1)?.parse::<u64>().ok()? << 12)
+        of_status(&format!("/proc/{}/status", self.child.id()), "VmRSS:")
     }
 
     /// Ends it at once, whatever it does.
@@ -82,6 +80,13 @@ impl Worker {
         let how = status.map_or_else(|error| error.to_string(), describe);
         if complaint.is_empty() { how } else { format!("{how}: {complaint}") }
     }
+}
+
+/// A size in a process's status, bytes.
+pub fn of_status(file: &str, name: &str) -> Option<u64> {
+    let text = std::fs::read_to_string(file).ok()?;
+    let line = text.lines().find_map(|line| line.strip_prefix(name))?;
+    Some(line.trim().trim_end_matches(" kB").parse::<u64>().ok()? << 10)
 }
 
 /// No worker outlives its batch.

@@ -1,6 +1,6 @@
 //! Summaries from their files.
 
-use super::places::of_shard;
+use super::places::of_part;
 use super::summary::{SUMMARY_VERSION, Shard, Summary};
 use crate::error::Error;
 use serde::Deserialize;
@@ -18,7 +18,7 @@ struct Head {
 /// # Errors
 /// A file that can't be read, is no summary, or is of a later version of the program.
 pub fn read(path: &Path) -> Result<Summary, Error> {
-    let refuse = |reason: String| Error::Summary { path: path.into(), reason };
+    let refuse = |reason: String| Error::Unusable { path: path.into(), reason };
     let text = fs::read(path).map_err(|source| Error::Io { path: path.into(), source })?;
     let broken = |error: serde_json::Error| {
         refuse(format!("is no summary of a batch: {error}; run the batch again to make it anew"))
@@ -36,7 +36,7 @@ pub fn read(path: &Path) -> Result<Summary, Error> {
 
 /// Name of the summary of a part of a batch.
 pub fn file_of(shard: Shard) -> String {
-    of_shard("summary", "json", Some(shard))
+    of_part("summary", "json", Some(shard), &[])
 }
 
 /// The summaries of parts in a folder, in the order of the parts.
@@ -54,7 +54,7 @@ pub fn find_parts(folder: &Path) -> Result<Vec<PathBuf>, Error> {
     }
     if found.is_empty() {
         let reason = "has no summary.I-of-N.json; run the batch with --shard I/N and this --out first";
-        return Err(Error::Summary { path: folder.into(), reason: reason.into() });
+        return Err(Error::Unusable { path: folder.into(), reason: reason.into() });
     }
     found.sort();
     Ok(found.into_iter().map(|(_, path)| path).collect())

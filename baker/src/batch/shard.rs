@@ -2,6 +2,8 @@
 
 use super::job::Cost;
 use super::summary::Shard;
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
 use std::env::VarError;
 
 /// Which shard each asset belongs to, from 0: the longest first, each to the shard with the least to do so far (Graham
@@ -10,17 +12,14 @@ pub fn partition(costs: &[Option<Cost>], count: u32) -> Vec<u32> {
     let seconds = |index: usize| costs[index].map_or(0.0, |cost| cost.seconds);
     let mut order: Vec<usize> = (0..costs.len()).collect();
     order.sort_by(|&i, &j| seconds(j).total_cmp(&seconds(i)).then(i.cmp(&j)));
-    let mut loads = vec![(0.0f64, 0usize); count as usize];
+    // Nanoseconds: they add up alike in any order, and compare.
+    let nanoseconds = |index: usize| (1e9 * seconds(index)) as u64;
+    let mut loads: BinaryHeap<Reverse<(u64, usize, u32)>> =
+        (0..count).map(|shard| Reverse((0, 0, shard))).collect();
     let mut out = vec![0; costs.len()];
     for index in order {
-        let least = |a: &&u32, b: &&u32| {
-            let ((x, n), (y, m)) = (loads[**a as usize], loads[**b as usize]);
-            x.total_cmp(&y).then(n.cmp(&m))
-        };
-        let shards: Vec<u32> = (0..count).collect();
-        let shard = *shards.iter().min_by(least).expect("at least one");
-        loads[shard as usize].0 += seconds(index);
-        loads[shard as usize].1 += 1;
+        let Some(Reverse((load, assets, shard))) = loads.pop() else { break };
+        loads.push(Reverse((load.saturating_add(nanoseconds(index)), assets + 1, shard)));
         out[index] = shard;
     }
     out
@@ -71,10 +70,16 @@ fn from_environment(
             Err(_) => Ok(None),
         }
     };
+    if let Some(step) = read("SLURM_ARRAY_TASK_STEP")?.filter(|step| *step != 1) {
+        return Err(format!("the array's step is {step}, not 1; give I/N"));
+    }
     for (name, first, number) in ARRAYS {
         let Some(index) = read(name)? else { continue };
         let default = u32::from(name == COUNTED_FROM_ONE);
         let first = first.map(read).transpose()?.flatten().unwrap_or(default);
+        if first > 1 {
+            return Err(format!("the array begins with {first}: it is a part of one; give I/N"));
+        }
         let counted = number.map(read).transpose()?.flatten();
         let Some(count) = count.or(counted) else {
             return Err(format!("{name} tells the index, but nothing how many there are; give auto/N"));
@@ -119,6 +124,8 @@ mod tests {
             ("auto", &[("JOB_COMPLETION_INDEX", "0")], "auto/N"),
             ("auto/2", &[("JOB_COMPLETION_INDEX", "2")], "shard 3 of 2"),
             ("auto/2", &[("CUE_IFRAME", "0")], "less than 1"),
+            ("auto/4", &[("SLURM_ARRAY_TASK_ID", "3"), ("SLURM_ARRAY_TASK_MIN", "3")], "part of one"),
+            ("auto/4", &[("SLURM_ARRAY_TASK_ID", "2"), ("SLURM_ARRAY_TASK_STEP", "2")], "step is 2"),
             ("auto/2", &[("JOB_COMPLETION_INDEX", "x")], "not a number"),
         ] {
             let error = parsed(text, environment).unwrap_err();

@@ -4,14 +4,14 @@
 use super::assets::PlannedAsset;
 use super::figures::figures;
 use super::gates;
-use super::job::Files;
+use super::job::{Files, Lot};
 use super::journal::Records;
 use super::places::Places;
 use super::summary::{AssetReport, Figures};
 use crate::content_key::{Identity, difference, identify, key_of, parameters};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use volmap_formats::asset;
+use volmap_formats::asset::{self, AssetError};
 
 /// An asset, and what is to be done.
 pub struct Decision {
@@ -52,7 +52,7 @@ pub struct Known<'a> {
     /// What earlier batches noted.
     pub records: &'a Records,
     /// Names of recorded assets by their keys.
-    pub by_key: BTreeMap<&'a str, &'a str>,
+    pub by_key: BTreeMap<&'a str, Vec<&'a str>>,
     /// Make everything anew.
     pub rebuild: bool,
     /// Check files by what they hold, whatever is noted of them, and nothing but the assets.
@@ -62,9 +62,13 @@ pub struct Known<'a> {
 impl<'a> Known<'a> {
     /// Of what earlier batches noted.
     pub fn new(places: &'a Places, records: &'a Records) -> Known<'a> {
-        let key = |record: &'a AssetReport| Some(record.identity.as_ref()?.key.as_str());
-        let by_key = records.iter().filter_map(|(name, record)| Some((key(record)?, name.as_str())));
-        Known { places, records, by_key: by_key.collect(), rebuild: false, thorough: false }
+        let mut by_key: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+        for (name, record) in records {
+            if let Some(identity) = &record.identity {
+                by_key.entry(&identity.key).or_default().push(name);
+            }
+        }
+        Known { places, records, by_key, rebuild: false, thorough: false }
     }
 }
 
@@ -85,45 +89,42 @@ pub fn decide(asset: &PlannedAsset, known: &Known) -> Decision {
 
 fn action(asset: &PlannedAsset, identity: &Identity, files: &Files, known: &Known) -> Action {
     let record = known.records.get(&asset.name);
-    let why = match look(&files.output, identity, record, known.thorough) {
-        Ok(found) => return keep(asset, found, (files, &files.output), known.thorough),
+    let why = match look(&files.good.asset, identity, record, known.thorough) {
+        Ok(found) => return keep(asset, found, &files.good, known),
         Err(Fault::Foreign) => {
             return Action::Fail(format!(
                 "{} wasn't made by a batch; move it away, or let --rebuild replace it",
-                files.output.display()
+                files.good.asset.display()
             ));
         }
         Err(Fault::Outdated(why)) => why,
     };
-    if let Ok(found) = look(&files.rejected, identity, record, known.thorough) {
+    if let Ok(found) = look(&files.rejected.asset, identity, record, known.thorough) {
         if !gates::failed(&asset.gates, &found.figures, found.bytes).is_empty() {
-            return keep(asset, found, (files, &files.rejected), known.thorough);
+            return keep(asset, found, &files.rejected, known);
         }
-        return Action::Make("its gates let it pass now".into(), vec![files.rejected.clone()]);
+        return Action::Make("its gates let it pass now".into(), vec![files.rejected.asset.clone()]);
     }
     let mut candidates: Vec<PathBuf> = files.cached.iter().filter(|file| file.exists()).cloned().collect();
-    if let Some(other) = known.by_key.get(identity.key.as_str()) {
+    for other in known.by_key.get(identity.key.as_str()).into_iter().flatten() {
         let other = known.places.files(other, &identity.key, false);
-        candidates.extend([other.output, other.rejected].into_iter().filter(|file| file.exists()));
+        candidates.extend([other.good.asset, other.rejected.asset].into_iter().filter(|file| file.exists()));
     }
     Action::Make(why, candidates)
 }
 
 /// What belongs to an asset is made again if it is gone.
-fn keep(asset: &PlannedAsset, mut found: Kept, (files, lies): (&Files, &Path), alone: bool) -> Action {
+fn keep(asset: &PlannedAsset, mut found: Kept, lot: &Lot, known: &Known) -> Action {
     found.failed_gates = gates::failed(&asset.gates, &found.figures, found.bytes);
-    found.is_rejected = lies == files.rejected;
-    let page = files.report.as_ref().map(|base| super::make::with_ending(base, ".html"));
-    if alone {
-        return Action::Keep(found);
+    found.is_rejected = lot.asset == known.places.files(&asset.name, "", false).rejected.asset;
+    let is_gone = |file: &PathBuf| !known.thorough && !file.exists();
+    match () {
+        () if is_gone(&lot.preview) => Action::Make("its picture is missing".into(), vec![lot.asset.clone()]),
+        () if lot.report.as_ref().is_some_and(is_gone) => {
+            Action::Make("its report is missing".into(), vec![lot.asset.clone()])
+        }
+        () => Action::Keep(found),
     }
-    if page.is_some_and(|page| !page.exists()) {
-        return Action::Make("its report is missing".into(), vec![lies.to_owned()]);
-    }
-    if !files.preview.exists() {
-        return Action::Make("its picture is missing".into(), vec![lies.to_owned()]);
-    }
-    Action::Keep(found)
 }
 
 /// Why a file isn't the wanted asset.
@@ -145,7 +146,9 @@ fn look(
     let bytes = match std::fs::read(path) {
         Ok(bytes) => bytes,
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
-            return outdated(if record.is_some() { "its file is gone" } else { "it is new" }.into());
+            return outdated(
+                if record.is_some() || thorough { "its file is missing" } else { "it is new" }.into(),
+            );
         }
         Err(error) => return outdated(format!("its file can't be read: {error}")),
     };
@@ -167,6 +170,7 @@ fn look(
     }
     let asset = match asset::from_bytes(bytes) {
         Ok(asset) => asset,
+        Err(error) if record.is_none() && is_foreign(&error) => return Err(Fault::Foreign),
         Err(error) => return outdated(format!("its file is damaged: {error}")),
     };
     match key_of(&asset) {
@@ -178,4 +182,9 @@ fn look(
         }
         None => Err(Fault::Foreign),
     }
+}
+
+/// Whether it is rather another kind of file, or a newer program's, than a damaged asset.
+fn is_foreign(error: &AssetError) -> bool {
+    matches!(error, AssetError::NotHdf5 | AssetError::NotAnAsset | AssetError::Version { .. })
 }

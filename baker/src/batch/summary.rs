@@ -19,6 +19,8 @@ pub struct Summary {
     pub manifest: Option<String>,
     /// Which part of the batch this is; none: all of it.
     pub shard: Option<Shard>,
+    /// Only assets with one of these tags are in it; none: all.
+    pub tags: Vec<String>,
     /// The batch was stopped before its end.
     pub interrupted: bool,
     /// How many assets came out how.

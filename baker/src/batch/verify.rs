@@ -27,7 +27,7 @@ pub struct Finding {
 pub fn manifest_of(folder: &Path) -> Result<PathBuf, Error> {
     let path = folder.join("summary.json");
     let summary = read(&path)?;
-    let manifest = summary.manifest.ok_or_else(|| Error::Import {
+    let manifest = summary.manifest.ok_or_else(|| Error::Unusable {
         path,
         reason: "names no manifest, as the batch had none; give --manifest".into(),
     })?;

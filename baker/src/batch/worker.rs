@@ -4,6 +4,7 @@
 use super::cost::cost;
 use super::job::{Job, Reply, Task};
 use super::make::make;
+use super::process::of_status;
 use crate::error::Error;
 use std::io::{self, BufRead, Write};
 use std::sync::mpsc;
@@ -52,7 +53,7 @@ fn answer(job: &Job, on_step: &mut (dyn FnMut(&str) + Send)) -> Reply {
     let done = pool.install(|| match &job.task {
         Task::Estimate(subject) => cost(subject, u64::MAX).map(Reply::Estimated),
         Task::Make(order) => make(order, on_step).map(|made| {
-            let made = super::job::Made { peak_memory: peak_memory(), ..made };
+            let made = super::job::Made { peak_memory: of_status("/proc/self/status", "VmHWM:"), ..made };
             Reply::Made(Box::new(made))
         }),
     });
@@ -81,10 +82,4 @@ fn is_full(error: &io::Error) -> bool {
 /// Linux keeps the most memory that a process ever had, until it is told to begin anew.
 fn reset_peak_memory() {
     let _ = std::fs::write("/proc/self/clear_refs", "5");
-}
-
-fn peak_memory() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
-    Some(line.trim().trim_end_matches(" kB").parse::<u64>().ok()? << 10)
 }

@@ -28,7 +28,7 @@ impl FromStr for ByteSize {
     fn from_str(text: &str) -> Result<ByteSize, String> {
         let unit = UNITS.iter().find_map(|(name, size)| Some((text.strip_suffix(name)?, *size)));
         let (number, size) = unit.unwrap_or((text, 1.0));
-        let bytes = number.trim().parse::<f64>().ok().filter(|n| *n > 0.0).map(|n| (n * size) as u64);
+        let bytes = number.trim().parse::<f64>().ok().map(|n| (n * size) as u64).filter(|bytes| *bytes > 0);
         bytes.map(ByteSize).ok_or_else(|| "give a size as 4GiB or 500MB".into())
     }
 }
@@ -43,6 +43,8 @@ mod tests {
         assert_eq!("500MB".parse(), Ok(ByteSize(500_000_000)));
         assert_eq!("1.5 kB".parse(), Ok(ByteSize(1500)));
         assert_eq!("7".parse(), Ok(ByteSize(7)));
-        assert!(["-1GB", "much", "", "0B", "nan"].iter().all(|text| text.parse::<ByteSize>().is_err()));
+        assert!(
+            ["-1GB", "much", "", "0B", "0.5B", "nan"].iter().all(|text| text.parse::<ByteSize>().is_err())
+        );
     }
 }

@@ -3,21 +3,26 @@
 use crate::args::batch::{BatchArguments, Log, VerifyArguments};
 use crate::batch_progress::BatchProgress;
 use anyhow::{Context, Result, bail};
+use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::flag;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use volmap_baker::batch::assets::{Expanded, expand};
-use volmap_baker::batch::check::{Check, check};
+use volmap_baker::batch::check::{Check, Checked, check};
 use volmap_baker::batch::engine::{self, Event, Settings};
 use volmap_baker::batch::manifest::{self, Manifest};
+use volmap_baker::batch::memory::free_memory;
 use volmap_baker::batch::merge::merge;
 use volmap_baker::batch::places::Places;
 use volmap_baker::batch::prune::Leftovers;
+use volmap_baker::batch::publish::publish;
 use volmap_baker::batch::read::{find_parts, read as read_summary};
 use volmap_baker::batch::summary::{Outcome, Summary};
 use volmap_baker::batch::{log, verify, worker};
+use volmap_baker::content_key;
 use volmap_baker::parameters::Parameters;
 use volmap_baker::summary::bytes;
 
@@ -41,7 +46,7 @@ pub fn run_batch(arguments: &BatchArguments) -> ExitCode {
 
 fn start(arguments: &BatchArguments) -> Result<ExitCode> {
     if arguments.schema {
-        writeln!(io::stdout().lock(), "{:#}", Manifest::schema())?;
+        say(&format!("{:#}", Manifest::schema()));
         return Ok(ExitCode::SUCCESS);
     }
     if let Some(folder) = &arguments.merge {
@@ -51,12 +56,16 @@ fn start(arguments: &BatchArguments) -> Result<ExitCode> {
     let mut expanded = expand(&manifest, &folder)?;
     select(&mut expanded, &arguments.tag)?;
     if arguments.list {
-        return list(&expanded);
+        return Ok(list(&expanded));
     }
     let settings = settings(arguments)?;
     let stop = stop_on_signals()?;
     if arguments.check {
-        return show_check(&check(&expanded, &settings, &stop)?, arguments);
+        let found = check(&expanded, &settings, &stop)?;
+        if stop.load(Ordering::Relaxed) {
+            return Ok(ExitCode::from(STOPPED));
+        }
+        return Ok(show_check(&found, arguments));
     }
     let mut progress = BatchProgress::new(arguments.quiet);
     let mut on_event = |event: Event| {
@@ -72,9 +81,14 @@ fn start(arguments: &BatchArguments) -> Result<ExitCode> {
         }
         progress.event(&event);
     };
-    let summary = engine::run((&expanded, manifest_path.as_deref()), &settings, &mut on_event, &stop)?;
+    let ran = engine::run((&expanded, manifest_path.as_deref()), &settings, &mut on_event, &stop)?;
     progress.finish();
-    close(&summary, &settings.places.out, arguments)
+    let code = close(&ran.summary, &settings.places.out, arguments);
+    if let Some(error) = ran.unwritten {
+        eprintln!("error: the summary isn't written: {error}");
+        return Ok(ExitCode::from(SOME_FAILED));
+    }
+    Ok(code)
 }
 
 /// The manifest, its own path if it has one, and the folder that its paths are relative to.
@@ -108,9 +122,6 @@ fn select(expanded: &mut Expanded, tags: &[String]) -> Result<()> {
         bail!("--tag {tag}: no asset has this tag");
     }
     expanded.assets.retain(|asset| tags.is_empty() || tags.iter().any(|tag| asset.tags.contains(tag)));
-    if !tags.is_empty() {
-        expanded.notes.push(format!("only assets with a tag of: {}", tags.join(", ")));
-    }
     if expanded.assets.is_empty() {
         let notes = expanded.notes.join("; ");
         bail!("there is nothing to bake{}{notes}", if notes.is_empty() { "" } else { ": " });
@@ -118,18 +129,25 @@ fn select(expanded: &mut Expanded, tags: &[String]) -> Result<()> {
     Ok(())
 }
 
-fn list(expanded: &Expanded) -> Result<ExitCode> {
-    let mut out = io::stdout().lock();
+fn list(expanded: &Expanded) -> ExitCode {
     for asset in &expanded.assets {
-        writeln!(out, "{}\t{}\t{}", asset.name, asset.mesh.display(), asset.tags.join(","))?;
+        let references = content_key::references(&asset.mesh);
+        let references: String = references.iter().map(|path| format!("\t{}", path.display())).collect();
+        say(&format!("{}\t{}\t{}{references}", asset.name, asset.mesh.display(), asset.tags.join(",")));
     }
-    Ok(ExitCode::SUCCESS)
+    ExitCode::SUCCESS
 }
 
 fn settings(arguments: &BatchArguments) -> Result<Settings> {
     let processors = || std::thread::available_parallelism().map_or(1, usize::from);
     let threads = arguments.threads.unwrap_or_else(processors);
     let out = arguments.out.clone().context("--out: name the folder of the assets")?;
+    // Workers are told in JSON.
+    for folder in [Some(&out), arguments.cache.as_ref()].into_iter().flatten() {
+        folder
+            .to_str()
+            .with_context(|| format!("{}: the name isn't Unicode; take another folder", folder.display()))?;
+    }
     Ok(Settings {
         places: Places { out, cache: arguments.cache.clone() },
         worker: std::env::current_exe().context("the program's own file")?,
@@ -139,6 +157,7 @@ fn settings(arguments: &BatchArguments) -> Result<Settings> {
         timeout: arguments.timeout,
         rebuild: arguments.rebuild,
         shard: arguments.shard,
+        tags: arguments.tag.clone(),
         leftovers: match arguments.prune {
             true => Leftovers::Remove,
             false if arguments.shard.is_some() || !arguments.tag.is_empty() => Leftovers::Ignore,
@@ -147,78 +166,69 @@ fn settings(arguments: &BatchArguments) -> Result<Settings> {
     })
 }
 
-/// Three quarters of the memory that is free, where the system tells.
-fn free_memory() -> Option<u64> {
-    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
-    let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
-    let kib: u64 = line.trim().trim_end_matches(" kB").parse().ok()?;
-    Some(kib * 1024 / 4 * 3)
-}
-
-/// Ctrl-C and the signals that end programs stop the batch; what is done stays.
+/// Ctrl-C and the signals that end programs stop the batch; what is done stays. A second one ends it at once.
 fn stop_on_signals() -> Result<Arc<AtomicBool>> {
     let stop = Arc::new(AtomicBool::new(false));
-    let handler = stop.clone();
-    ctrlc::set_handler(move || handler.store(true, Ordering::Relaxed))?;
+    for signal in [SIGINT, SIGTERM] {
+        flag::register_conditional_shutdown(signal, STOPPED.into(), stop.clone())?;
+        flag::register(signal, stop.clone())?;
+    }
     Ok(stop)
 }
 
-fn close(summary: &Summary, out: &Path, arguments: &BatchArguments) -> Result<ExitCode> {
-    let mut output = io::stdout().lock();
+/// Prints, to whoever still reads: a batch isn't bad because nobody listens.
+fn say(text: &str) {
+    let _ = writeln!(io::stdout().lock(), "{text}");
+}
+
+fn close(summary: &Summary, out: &Path, arguments: &BatchArguments) -> ExitCode {
     match arguments.log {
         _ if arguments.quiet => {}
-        Log::Text => writeln!(output, "{}", log::closing(summary, out))?,
-        Log::Json => writeln!(output, "{}", log::json_closing(summary))?,
+        Log::Text => say(&log::closing(summary, out)),
+        Log::Json => say(&log::json_closing(summary)),
     }
-    Ok(match summary.counts.all_good() {
+    match summary.counts.all_good() {
         _ if summary.interrupted => ExitCode::from(STOPPED),
         true => ExitCode::SUCCESS,
         false => ExitCode::from(SOME_FAILED),
-    })
+    }
 }
 
 fn run_merge(folder: &Path, arguments: &BatchArguments) -> Result<ExitCode> {
     let parts = find_parts(folder)?.iter().map(|part| read_summary(part)).collect::<Result<Vec<_>, _>>()?;
     let merged = merge(parts)?;
-    engine::publish(&merged, folder)?;
-    close(&merged, folder, arguments)
+    publish(&merged, folder)?;
+    Ok(close(&merged, folder, arguments))
 }
 
-fn show_check(found: &Check, arguments: &BatchArguments) -> Result<ExitCode> {
-    let mut out = io::stdout().lock();
-    let mut is_good = true;
+fn show_check(found: &Check, arguments: &BatchArguments) -> ExitCode {
     for asset in &found.assets {
         match (&asset.cost, &asset.reason) {
-            (Err(error), _) => {
-                is_good = false;
-                writeln!(out, "can't be made  {}: {error}", asset.name)?;
-            }
+            (Err(error), _) => say(&format!("can't be made  {}: {error}", asset.name)),
             (Ok(_), None) if !arguments.explain => {}
-            (Ok(_), None) => writeln!(out, "stays          {}", asset.name)?,
-            (Ok(cost), Some(reason)) => writeln!(
-                out,
+            (Ok(_), None) => say(&format!("stays          {}", asset.name)),
+            (Ok(cost), Some(reason)) => say(&format!(
                 "is made        {}: {reason}; {:.1} s, {} of memory, a file of {}",
                 asset.name,
                 cost.seconds,
                 bytes(cost.memory),
                 bytes(cost.file)
-            )?,
+            )),
         }
     }
-    let count = |reason: bool| {
-        found.assets.iter().filter(|asset| asset.cost.is_ok() && asset.reason.is_some() == reason).count()
-    };
-    writeln!(
-        out,
-        "{} to make, {} stay, {} can't be made; about {:.0} s, {} of memory, {} on disk (right to a factor of 2 or so)",
-        count(true),
-        count(false),
-        found.assets.iter().filter(|asset| asset.cost.is_err()).count(),
+    let can = |asset: &&Checked| asset.cost.is_ok();
+    let is_made = |asset: &&Checked| asset.reason.is_some();
+    let made = found.assets.iter().filter(can).filter(is_made).count();
+    let good = found.assets.iter().filter(can).count();
+    say(&format!(
+        "{made} to make, {} stay, {} can't be made; about {:.0} s, {} of memory, {} on disk (right to a factor of 2 or so)",
+        good - made,
+        found.assets.len() - good,
         found.seconds,
         bytes(found.memory),
         bytes(found.files)
-    )?;
-    Ok(ExitCode::from(if is_good { 0 } else { SOME_FAILED }))
+    ));
+    ExitCode::from(if good == found.assets.len() { 0 } else { SOME_FAILED })
 }
 
 /// A worker of a batch.
@@ -244,15 +254,14 @@ fn verify_folder(arguments: &VerifyArguments) -> Result<ExitCode> {
     let threads = arguments.threads.unwrap_or_else(processors);
     let findings = verify::verify(&expanded, &arguments.folder, threads);
     let bad = findings.iter().filter(|finding| !finding.problems.is_empty()).count();
-    let mut out = io::stdout().lock();
     if arguments.json {
-        writeln!(out, "{}", serde_json::to_string_pretty(&findings)?)?;
+        say(&serde_json::to_string_pretty(&findings)?);
     } else {
         for finding in &findings {
-            finding.problems.iter().try_for_each(|problem| writeln!(out, "{}: {problem}", finding.name))?;
+            finding.problems.iter().for_each(|problem| say(&format!("{}: {problem}", finding.name)));
         }
         if !arguments.quiet {
-            writeln!(out, "{} of {} assets are good", findings.len() - bad, findings.len())?;
+            say(&format!("{} of {} assets are good", findings.len() - bad, findings.len()));
         }
     }
     Ok(if bad == 0 { ExitCode::SUCCESS } else { ExitCode::from(SOME_FAILED) })

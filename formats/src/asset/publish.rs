@@ -49,17 +49,20 @@ pub fn clear_leftovers(folder: &Path) -> io::Result<usize> {
         let entry = entry?;
         let name = entry.file_name();
         let ours = name.to_str().is_some_and(|name| name.starts_with(PREFIX) && name.ends_with(SUFFIX));
-        if ours && is_left(&entry.path()) && std::fs::remove_file(entry.path()).is_ok() {
+        let lock = if ours { lock_of_left(&entry.path()) } else { None };
+        // Held until the file is gone: nobody else takes it for its own.
+        if lock.is_some() && std::fs::remove_file(entry.path()).is_ok() {
             count += 1;
         }
     }
     Ok(count)
 }
 
-/// Where the file system has no locks nothing is known to be left.
-fn is_left(path: &Path) -> bool {
-    path.symlink_metadata().is_ok_and(|found| found.is_file())
-        && File::open(path).is_ok_and(|file| file.try_lock().is_ok())
+/// Where the file system has no locks nothing is known to be left. (Those of NFS want a file that can be written.)
+fn lock_of_left(path: &Path) -> Option<File> {
+    path.symlink_metadata().ok().filter(|found| found.is_file())?;
+    let file = File::options().read(true).write(true).open(path).ok()?;
+    file.try_lock().ok().map(|()| file)
 }
 
 /// A file on its way: it gets its name when it is published, and is gone if it never is. Not buffered.
@@ -170,11 +173,14 @@ mod linux {
         if !target.exists() && link_to(target).is_ok() {
             return Ok(());
         }
-        let own_name = super::named(folder)?.into_temp_path();
-        // The name alone is wanted; `clear_leftovers` may have removed its file.
-        let _ = std::fs::remove_file(&own_name);
-        link_to(&own_name)?;
-        Ok(rename(&*own_name, target)?)
+        // The file has its lock already, so that it never looks like one that was left.
+        let mut names = tempfile::Builder::new();
+        names.prefix(super::PREFIX).suffix(super::SUFFIX);
+        let own_name = names.make_in(folder, |name| Ok(link_to(name)?))?.into_temp_path();
+        rename(&*own_name, target)?;
+        // It is the target now, and nothing to be removed.
+        let _ = own_name.keep();
+        Ok(())
     }
 }
 

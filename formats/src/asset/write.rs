@@ -11,7 +11,7 @@ use super::schema::asset_from_tree;
 use super::tree::{Array, Attributes, Dataset, Tree, Value};
 use rayon::prelude::*;
 use rust_hdf5::{DatatypeMessage, Filter, FilterPipeline, H5Dataset, H5File, H5Group, H5Type};
-use std::path::Path;
+use std::io::Read;
 
 /// How the datasets are compressed; both filters keep every bit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,19 +47,37 @@ pub(super) fn encode(tree: &Tree, compression: Compression) -> Result<Vec<u8>, A
     Ok(bytes)
 }
 
-/// That crate writes files only. This one needn't outlast a power cut, nor leave the system's cache.
+/// That crate writes files only. This one needn't outlast a power cut, nor leave the system's cache, and has a name no
+/// longer than it takes to open it, so that killed programs leave nothing (but on Windows, where open files keep theirs).
 fn to_bytes(tree: &Tree, compression: Compression) -> Result<Vec<u8>, AssetError> {
     let scratch = tempfile::Builder::new().prefix("volmap-").suffix(".h5").tempfile()?;
-    write_tree(scratch.path(), tree, compression)?;
-    Ok(std::fs::read(scratch.path())?)
+    let file = H5File::create(scratch.path()).map_err(asset_error)?;
+    let (mut content, name) = scratch.into_parts();
+    #[cfg(unix)]
+    name.close()?;
+    write_objects(&file, tree, compression).and_then(|()| file.close_no_sync()).map_err(asset_error)?;
+    let mut bytes = Vec::new();
+    content.read_to_end(&mut bytes)?;
+    #[cfg(not(unix))]
+    drop(name);
+    Ok(bytes)
 }
 
-fn write_tree(path: &Path, tree: &Tree, compression: Compression) -> Result<(), AssetError> {
-    write_objects(path, tree, compression).map_err(|error| AssetError::Container(error.to_string()))
+fn asset_error(error: rust_hdf5::Hdf5Error) -> AssetError {
+    if let rust_hdf5::Hdf5Error::Io(error) = error {
+        return AssetError::Io(error);
+    }
+    let text = error.to_string();
+    system_error(&text).map_or(AssetError::Container(text), AssetError::Io)
 }
 
-fn write_objects(path: &Path, tree: &Tree, compression: Compression) -> rust_hdf5::Result<()> {
-    let file = H5File::create(path)?;
+/// The crate keeps the system's errors to itself, but for their text.
+fn system_error(text: &str) -> Option<std::io::Error> {
+    let (_, code) = text.rsplit_once("(os error ")?;
+    Some(std::io::Error::from_raw_os_error(code.split_once(')')?.0.parse().ok()?))
+}
+
+fn write_objects(file: &H5File, tree: &Tree, compression: Compression) -> rust_hdf5::Result<()> {
     for (path, attributes) in &tree.groups {
         let group = match path.trim_start_matches('/') {
             "" => file.root_group(),
@@ -69,14 +87,14 @@ fn write_objects(path: &Path, tree: &Tree, compression: Compression) -> rust_hdf
     }
     for (path, dataset) in &tree.datasets {
         let created = match &dataset.array {
-            Array::F32(_) => write_dataset::<f32>(&file, path, dataset, compression)?,
-            Array::F64(_) => write_dataset::<f64>(&file, path, dataset, compression)?,
-            Array::Rounded(_) => write_dataset::<i16>(&file, path, dataset, compression)?,
-            Array::U32(_) => write_dataset::<u32>(&file, path, dataset, compression)?,
+            Array::F32(_) => write_dataset::<f32>(file, path, dataset, compression)?,
+            Array::F64(_) => write_dataset::<f64>(file, path, dataset, compression)?,
+            Array::Rounded(_) => write_dataset::<i16>(file, path, dataset, compression)?,
+            Array::U32(_) => write_dataset::<u32>(file, path, dataset, compression)?,
         };
         write_attributes(&dataset.attributes, &Target::Dataset(&created))?;
     }
-    file.close_no_sync()
+    Ok(())
 }
 
 fn write_dataset<T: H5Type>(

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use volmap_baker::bake::{BakeSettings, bake};
 use volmap_baker::content_key;
 use volmap_baker::density_map::DensitySettings;
-use volmap_baker::input::{self, Input, InputSettings};
+use volmap_baker::input::{Input, InputSettings};
 use volmap_baker::plan::{GridChoice, Settings};
 use volmap_baker::recipe::Recipe;
 use volmap_formats::asset::{self, Compression, Exterior};
@@ -181,9 +181,9 @@ impl<'a> Library<'a> {
             bake: self.bake_settings(settings, density),
             compression: Compression::default(),
         };
-        let key = content_key::identify(path, recipe.effective())?.key;
-        let Recipe { input: placing, bake: baking, .. } = recipe;
-        let mut input = input::load(path, &placing)?;
+        let identity = content_key::identify(path, recipe.effective())?;
+        let mut input = content_key::load(path, &recipe, &identity)?;
+        let (key, baking) = (identity.key, recipe.bake);
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
         let cached = self.cache.join(format!("{stem}-{}.h5", &key[..24]));
         let opened = cached.is_file().then(|| VolumeMap::open(&cached).ok()).flatten();

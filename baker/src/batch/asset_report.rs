@@ -1,0 +1,99 @@
+//! What came of an asset, as the summary has it.
+
+use super::engine::Entry;
+use super::job::Made;
+use super::places::{Places, names};
+use super::state::{Action, Kept};
+use super::summary::{AssetReport, Outcome};
+
+/// Without a word on what came of it.
+pub fn blank(entry: &Entry, outcome: Outcome) -> AssetReport {
+    let asset = entry.asset;
+    AssetReport {
+        name: asset.name.clone(),
+        position: entry.position,
+        mesh: asset.mesh_name.clone(),
+        output: names(&asset.name, false).asset,
+        tags: asset.tags.clone(),
+        outcome,
+        reason: String::new(),
+        error: None,
+        failed_gates: Vec::new(),
+        identity: entry.decision.identity.clone(),
+        estimated_seconds: entry.cost.map(|cost| cost.seconds),
+        seconds: None,
+        threads: None,
+        peak_memory: None,
+        bytes: None,
+        file_blake3: None,
+        figures: None,
+        preview: None,
+        report: None,
+    }
+}
+
+/// One that can't be made.
+pub fn failed(entry: &Entry, error: String) -> AssetReport {
+    let reason = match &entry.decision.action {
+        Action::Make(reason, _) => reason.clone(),
+        _ => String::new(),
+    };
+    AssetReport { reason, error: Some(error), ..blank(entry, Outcome::Failed) }
+}
+
+/// An asset that was made, where its files lie.
+pub fn made(entry: &Entry, result: Made, threads: usize, places: &Places) -> AssetReport {
+    let Action::Make(reason, _) = &entry.decision.action else { unreachable!("only these are made") };
+    let name = &entry.asset.name;
+    let outcome = match (&result.from, result.failed_gates.is_empty()) {
+        (_, false) => Outcome::Rejected,
+        (Some(from), true) if *from == places.out.join(names(name, false).asset) => Outcome::Unchanged,
+        (Some(_), true) => Outcome::Reused,
+        (None, true) => Outcome::Built,
+    };
+    let mut reason = reason.clone();
+    if let (Some(from), Outcome::Reused) = (&result.from, outcome) {
+        reason += &format!("; the same asset lay in {}", from.display());
+    }
+    result.notes.iter().for_each(|note| reason += &format!("; {note}"));
+    AssetReport {
+        reason,
+        failed_gates: result.failed_gates,
+        seconds: Some(result.seconds),
+        threads: Some(threads),
+        peak_memory: result.peak_memory,
+        bytes: Some(result.bytes),
+        file_blake3: Some(result.file_blake3),
+        figures: Some(result.figures),
+        ..placed(entry, outcome, outcome == Outcome::Rejected)
+    }
+}
+
+fn placed(entry: &Entry, outcome: Outcome, is_rejected: bool) -> AssetReport {
+    let names = names(&entry.asset.name, is_rejected);
+    AssetReport {
+        output: names.asset,
+        preview: Some(names.preview),
+        report: entry.asset.report.then_some(names.report),
+        ..blank(entry, outcome)
+    }
+}
+
+/// An asset that stays as it is.
+pub fn kept(entry: &Entry, found: &Kept, record: Option<&AssetReport>) -> AssetReport {
+    let outcome = if found.failed_gates.is_empty() { Outcome::Unchanged } else { Outcome::Rejected };
+    // Times are those of the same file.
+    let record = record.filter(|record| record.file_blake3.as_ref() == Some(&found.file_blake3));
+    AssetReport {
+        reason: "mesh, parameters and program are the same".into(),
+        failed_gates: found.failed_gates.clone(),
+        estimated_seconds: record.and_then(|record| record.estimated_seconds),
+        seconds: record.and_then(|record| record.seconds),
+        threads: record.and_then(|record| record.threads),
+        peak_memory: record.and_then(|record| record.peak_memory),
+        bytes: Some(found.bytes),
+        file_blake3: Some(found.file_blake3.clone()),
+        figures: Some(found.figures.clone()),
+        ..placed(entry, outcome, found.is_rejected)
+    }
+}
