@@ -18,6 +18,8 @@ mod interop_meshes;
 #[cfg(feature = "interop")]
 mod interop_page;
 #[cfg(feature = "interop")]
+mod interop_pipelines;
+#[cfg(feature = "interop")]
 mod interop_report;
 #[cfg(feature = "interop")]
 mod interop_simulation;
