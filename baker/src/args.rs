@@ -30,9 +30,6 @@ pub enum Command {
     Batch(Box<batch::BatchArguments>),
     /// Check a folder of assets against its manifest, without baking: keys, checksums, gates
     Verify(batch::VerifyArguments),
-    /// Make assets for a batch, as it says on the standard input
-    #[command(hide = true)]
-    BatchWorker,
     /// Show what stands in an asset
     Info {
         /// Asset

@@ -62,7 +62,7 @@ impl Bars {
     fn new() -> Bars {
         let all = MultiProgress::with_draw_target(ProgressDrawTarget::stderr());
         let overall = all.add(ProgressBar::new(0));
-        let style = ProgressStyle::with_template("{msg} {bar:30} {pos} of {len}, {elapsed}, {eta} left");
+        let style = ProgressStyle::with_template("{msg} {wide_bar} {pos} of {len}, {elapsed}");
         overall.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
         overall.set_message("comparing");
         overall.enable_steady_tick(Duration::from_millis(200));

@@ -77,7 +77,8 @@ impl Kind {
             return Err(refuse(format!("has {size} bytes; a {} has at most {MAX_BYTES}", self.singular)));
         }
         let text = std::fs::read_to_string(path).map_err(io)?;
-        self.parse(&text, syntax, &path.display().to_string(), check)
+        // Editors on Windows put a mark before the text.
+        self.parse(text.strip_prefix('\u{FEFF}').unwrap_or(&text), syntax, &path.display().to_string(), check)
     }
 
     /// The same from a document's text; `name` stands for the file in errors.

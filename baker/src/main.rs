@@ -12,9 +12,10 @@ use run::{bake, batch, exchange, manual, outline, query, report, reproduce, slic
 use std::io;
 use std::path::Path;
 use std::process::ExitCode;
+use volmap_baker::batch::process::WORKER;
 
 fn main() -> ExitCode {
-    match run(Arguments::parse().command) {
+    match start() {
         Ok(code) => code,
         // The reader of a pipe may have had enough.
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
@@ -25,13 +26,21 @@ fn main() -> ExitCode {
     }
 }
 
+fn start() -> Result<ExitCode> {
+    // No command for people, so that neither help nor completions have it.
+    if std::env::args_os().nth(1).is_some_and(|argument| argument == WORKER) {
+        batch::run_worker()?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    run(Arguments::parse().command)
+}
+
 fn run(command: Command) -> Result<ExitCode> {
     match command {
         Command::Bake(arguments) => bake::run_bake(&arguments)?,
         Command::BakeOutline(arguments) => outline::run_bake_outline(&arguments)?,
         Command::Batch(arguments) => return Ok(batch::run_batch(&arguments)),
         Command::Verify(arguments) => return Ok(batch::run_verify(&arguments)),
-        Command::BatchWorker => batch::run_worker()?,
         Command::Info { asset, json } => query::run_info(&asset, json)?,
         Command::Query { asset, points, json } => query::run_query(&asset, &points, json)?,
         Command::Report(arguments) => return report::run_report(&arguments),
@@ -59,7 +68,8 @@ fn message(error: &anyhow::Error) -> String {
             out = format!("{out}: {cause}");
         }
     }
-    out
+    // Names of files may hold what a terminal would obey.
+    out.replace(|c: char| c.is_control() && c != '\n', "\u{FFFD}")
 }
 
 fn is_broken_pipe(error: &anyhow::Error) -> bool {

@@ -94,6 +94,7 @@ fn later_entries_go_over_earlier_ones_and_maps_over_all() {
         timeout: Some(60.0),
         error_points: 200,
         report: false,
+        fault: None,
     };
     assert_eq!(*rock, expected);
     assert_eq!(near.tags, ["props", "all", "birds", "detail"]);
@@ -155,7 +156,8 @@ fn two_assets_have_two_names() {
     );
     let case = message(r#"mesh = ["b/*"]"#);
     assert!(case.contains("b/Duck.obj, duck.h5, but for large and small letters; tell them apart"), "{case}");
-    let bad = message("mesh = \"a.obj\"\nname = \"x/{map}/y\"");
+    let bad = "version = 1\n[[assets]]\nmesh = \"a.obj\"\nname = \"x/{map}/y\"";
+    let bad = expanded(bad, &folder).unwrap().assets.remove(0).fault.unwrap();
     assert!(bad.starts_with("a.obj: can't name its asset: `x//y`: a part of the name is empty"), "{bad}");
     assert_eq!(names_of(r#"mesh = ["a.obj", "a/*"]"#, &folder), ["a", "duck"]);
     assert_eq!(names_of("mesh = \"*/duck.*\"\nname = \"{parent}_{stem}\"", &folder), ["a_duck", "b_duck"]);
@@ -256,16 +258,17 @@ fn json_and_toml_are_the_same_and_come_back() {
 fn patterns_of_the_command_line_are_a_manifest() {
     let folder = folder(&["m/a.obj", "m/b.obj"]);
     let parameters = Parameters { support_radius: Some(0.1), ..Parameters::default() };
-    let found = expand(&from_patterns(&["m/*.obj".into()], &parameters), folder.path()).unwrap();
+    let found = expand(&from_patterns(&["m/*.obj".into()], None, &parameters), folder.path()).unwrap();
     assert_eq!(names(&found), ["a", "b"]);
     assert!(
         found.assets.iter().all(|asset| asset.parameters == parameters && asset.gates == Gates::default())
     );
     let bad = Parameters { support_radius: Some(f64::NAN), ..Parameters::default() };
-    let message = expand(&from_patterns(&["m/*.obj".into()], &bad), folder.path()).unwrap_err().to_string();
+    let message =
+        expand(&from_patterns(&["m/*.obj".into()], None, &bad), folder.path()).unwrap_err().to_string();
     assert_eq!(message, "defaults.bake.support_radius: NaN is not a usable length");
-    assert!(expand(&from_patterns(&["[".into()], &parameters), folder.path()).is_err());
-    assert!(expand(&from_patterns(&[], &parameters), folder.path()).is_err());
+    assert!(expand(&from_patterns(&["[".into()], None, &parameters), folder.path()).is_err());
+    assert!(expand(&from_patterns(&[], None, &parameters), folder.path()).is_err());
 }
 
 #[test]
@@ -328,7 +331,7 @@ proptest! {
     fn no_pattern_panics(pattern in "[ab./*?\\[\\]{}!,é\\\\-]{0,12}", name in "[ab./{}a-z: ]{0,12}") {
         let folder = TempDir::new().unwrap();
         fs::write(folder.path().join("a.obj"), "").unwrap();
-        let mut manifest = from_patterns(&[pattern], &Parameters::default());
+        let mut manifest = from_patterns(&[pattern], None, &Parameters::default());
         manifest.assets[0].name = Some(name);
         // Above the folder anything may lie.
         if !manifest.assets[0].mesh.0[0].contains("..") && !manifest.assets[0].mesh.0[0].starts_with('/') {

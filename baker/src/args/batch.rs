@@ -17,6 +17,10 @@ pub struct BatchArguments {
     /// Folder of the assets; made if it isn't there
     #[arg(short, long, value_name = "FOLDER", required_unless_present_any = ["schema", "merge", "list"])]
     pub out: Option<PathBuf>,
+    /// Names of the assets of meshes on the command line: {path}, {stem}, {extension}, {parent} stand for parts of the
+    /// mesh's path [default: {path}]
+    #[arg(long, value_name = "TEMPLATE")]
+    pub name: Option<String>,
     /// Only assets with one of these tags
     #[arg(long, value_name = "TAG", conflicts_with = "shard")]
     pub tag: Vec<String>,

@@ -15,6 +15,8 @@ pub struct Expanded {
     pub assets: Vec<PlannedAsset>,
     /// What a careful person would look at: globs without a mesh, parameters without effect.
     pub notes: Vec<String>,
+    /// Folders that couldn't be looked into: there may be more assets.
+    pub unreadable: Vec<String>,
 }
 
 /// An asset that is asked for.
@@ -38,6 +40,21 @@ pub struct PlannedAsset {
     pub error_points: u32,
     /// Whether it gets a page with errors.
     pub report: bool,
+    /// Why it can't be made whatever its mesh holds.
+    pub fault: Option<String>,
+}
+
+impl Expanded {
+    /// BLAKE3 of what is asked for, but for what the meshes hold.
+    pub fn fingerprint(&self) -> String {
+        let mut hasher = blake3::Hasher::new();
+        for asset in &self.assets {
+            let PlannedAsset { name, mesh_name, tags, parameters, gates, error_points, report, .. } = asset;
+            let said = serde_json::to_vec(&(name, mesh_name, tags, parameters, gates, error_points, report));
+            hasher.update(&said.expect("plain data"));
+        }
+        hasher.finalize().to_hex().to_string()
+    }
 }
 
 /// An entry that is ready to match.
@@ -68,8 +85,8 @@ pub fn expand(manifest: &Manifest, folder: &Path) -> Result<Expanded, Error> {
         .enumerate()
         .map(|(i, entry)| Matcher::new(entry, i, folder))
         .collect::<Result<_, _>>()?;
-    let mut notes = Vec::new();
-    let meshes = meshes(&matchers, folder, &mut notes);
+    let mut found = Expanded::default();
+    let meshes = meshes(&matchers, folder, &mut found);
     let mut assets = Vec::new();
     for mesh in &meshes {
         let said = say(&manifest.defaults, &matchers, mesh);
@@ -81,8 +98,8 @@ pub fn expand(manifest: &Manifest, folder: &Path) -> Result<Expanded, Error> {
         }
     }
     check_names(&assets)?;
-    without_density(&assets, &mut notes);
-    Ok(Expanded { assets, notes })
+    without_density(&assets, &mut found.notes);
+    Ok(Expanded { assets, ..found })
 }
 
 fn refuse(place: impl Into<String>, reason: impl Into<String>) -> Error {
@@ -111,16 +128,17 @@ impl Matcher<'_> {
 }
 
 /// The meshes, each once.
-fn meshes(matchers: &[Matcher], folder: &Path, notes: &mut Vec<String>) -> Vec<String> {
+fn meshes(matchers: &[Matcher], folder: &Path, found: &mut Expanded) -> Vec<String> {
     let (mut seen, mut meshes) = (HashSet::new(), Vec::new());
     for matcher in matchers {
         for (pattern, text) in matcher.patterns.iter().zip(&matcher.entry.mesh.0) {
             let files: Files = pattern.files(folder);
-            notes.extend(files.notes);
+            found.notes.extend(files.notes);
+            found.unreadable.extend(files.unreadable);
             let kept: Vec<String> =
                 files.paths.into_iter().filter(|path| matcher.pattern(path).is_some()).collect();
             if kept.is_empty() {
-                notes.push(format!("no mesh matches `{text}`"));
+                found.notes.push(format!("no mesh matches `{text}`"));
             }
             meshes.extend(kept.into_iter().filter(|path| seen.insert(path.clone())));
         }
@@ -155,8 +173,16 @@ fn asset(said: &Said, mesh: &str, folder: &Path, map: Option<&MapEntry>) -> Resu
     let parts = Mesh { path: mesh, fixed_part: said.fixed_part, parent: &parent };
     let name = names::fill(said.template, &parts, map.map(|map| map.name.as_str()));
     let name = name.and_then(|name| names::check(&name).map(|()| name));
-    let name =
-        name.map_err(|reason| refuse(mesh, format!("can't name its asset: {reason}; give it a `name`")))?;
+    // A file's name is its own fault alone; it is told of by that.
+    let (name, fault) = match name {
+        Ok(name) => (name, None),
+        Err(reason) => {
+            let behind = map.map_or(String::new(), |map| format!(".{}", map.name));
+            let fault =
+                format!("{mesh}: can't name its asset: {reason}; rename the mesh, or give it a `name`");
+            (format!("{mesh}{behind}"), Some(fault))
+        }
+    };
     let error_points = rules.error_points.unwrap_or(ERROR_POINTS);
     if rules.gates.max_error.is_some() && error_points == 0 {
         let reason = "max_error needs points at which the error is measured; error_points is 0";
@@ -179,6 +205,7 @@ fn asset(said: &Said, mesh: &str, folder: &Path, map: Option<&MapEntry>) -> Resu
         timeout: rules.timeout,
         error_points,
         report: rules.report.unwrap_or(false),
+        fault,
     })
 }
 
@@ -190,7 +217,7 @@ fn check_names(assets: &[PlannedAsset]) -> Result<(), Error> {
             let case = if other.name == asset.name { "" } else { ", but for large and small letters" };
             let reason = format!(
                 "its asset would have the name of that of {}, {}.h5{case}; tell them apart with `name`, as \
-                 name = \"{{parent}}_{{stem}}\"",
+                 name = \"{{path}}_{{extension}}\" (--name for meshes on the command line)",
                 other.mesh_name, asset.name
             );
             return Err(refuse(&asset.mesh_name, reason));

@@ -9,10 +9,11 @@ use super::journal::records;
 use super::schedule::{Schedule, Turn};
 use super::state::Action;
 use crate::error::Error;
+use serde::Serialize;
 use std::sync::atomic::AtomicBool;
 
 /// What would come of a batch.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Check {
     /// Each asset.
     pub assets: Vec<Checked>,
@@ -25,7 +26,7 @@ pub struct Check {
 }
 
 /// What would come of an asset.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Checked {
     /// Its name.
     pub name: String,
@@ -82,7 +83,7 @@ fn simulate(costs: &[Cost], settings: &Settings) -> (f64, u64) {
     let mut running: Vec<(f64, Turn)> = Vec::new();
     let (mut now, mut most) = (0.0, 0);
     loop {
-        while let Some(turn) = schedule.next() {
+        while let Some(turn) = schedule.take() {
             running.push((now + costs[turn.index].seconds / turn.threads as f64, turn));
         }
         most = most.max(running.iter().map(|(_, turn)| turn.memory).sum());

@@ -72,7 +72,7 @@ impl<'a> Crew<'a> {
         let mut go_on = true;
         loop {
             while go_on && !self.stop.load(Ordering::Relaxed) {
-                let Some(turn) = schedule.next() else { break };
+                let Some(turn) = schedule.take() else { break };
                 self.begin(turn, foreman)?;
             }
             if self.seats.iter().all(|seat| seat.work.is_none()) {

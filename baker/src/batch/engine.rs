@@ -5,9 +5,9 @@ use super::assets::{Expanded, PlannedAsset};
 use super::crew::{Crew, Foreman};
 use super::estimates::{estimates, own_part, subject};
 use super::job::{Cost, Job, Order, Reply, Task};
-use super::journal::{Journal, Records};
+use super::journal::{Journal, Records, earlier_leftovers};
 use super::places::Places;
-use super::prune::{Leftovers, tidy};
+use super::prune::{Leftovers, Tidied, tidy};
 use super::publish::{publish, relative};
 use super::schedule::{Schedule, Turn};
 use super::state::{Action, Decision, Kept, Known, decide};
@@ -103,6 +103,7 @@ pub fn run(
     let out = &settings.places.out;
     std::fs::create_dir_all(out).map_err(|source| Error::Io { path: out.clone(), source })?;
     let (journal, records) = Journal::open(out, settings.shard)?;
+    let known_names = records.keys().cloned().collect();
     clear_folders(&settings.places, &expanded.assets);
     let own = match settings.shard {
         Some(shard) => own_part(&expanded.assets, shard, settings, stop)?,
@@ -123,12 +124,14 @@ pub fn run(
         batch.work(stop);
     }
     let interrupted = stop.load(Ordering::Relaxed);
-    let mut notes = expanded.notes.clone();
-    notes.extend(leftovers(expanded, settings, interrupted)?);
+    let tidied = leftovers(expanded, settings, (known_names, interrupted))?;
     let (summary, journal) = batch.finish(interrupted);
     let summary = Summary {
         manifest: manifest.map(|path| relative(path, out)),
-        notes,
+        plan: expanded.fingerprint(),
+        notes: [&expanded.notes[..], &expanded.unreadable, &tidied.notes].concat(),
+        unreadable: expanded.unreadable.clone(),
+        leftovers: tidied.left,
         seconds: start.elapsed().as_secs_f64(),
         ..summary
     };
@@ -137,11 +140,21 @@ pub fn run(
 }
 
 /// After the work, which may take assets of earlier names for new ones. Only if it is sure what the manifest has.
-fn leftovers(expanded: &Expanded, settings: &Settings, interrupted: bool) -> Result<Vec<String>, Error> {
-    let is_sure = !interrupted && expanded.notes.is_empty();
+fn leftovers(
+    expanded: &Expanded,
+    settings: &Settings,
+    (records, interrupted): (Vec<String>, bool),
+) -> Result<Tidied, Error> {
+    let out = &settings.places.out;
+    let known = records.into_iter().chain(earlier_leftovers(out)).collect();
+    let is_sure = !interrupted && expanded.notes.is_empty() && expanded.unreadable.is_empty();
     match settings.leftovers {
-        Leftovers::Remove if !is_sure => Ok(vec!["nothing was pruned: see the notes above".into()]),
-        other => tidy(&settings.places, &expanded.assets, other),
+        Leftovers::Remove if !is_sure => {
+            let mut tidied = tidy(&settings.places, &expanded.assets, known, Leftovers::Tell)?;
+            tidied.notes.push("nothing was pruned, as it isn't sure that all meshes were found".into());
+            Ok(tidied)
+        }
+        other => tidy(&settings.places, &expanded.assets, known, other),
     }
 }
 
@@ -163,7 +176,7 @@ pub fn in_pool<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
 fn clear_folders(places: &Places, assets: &[PlannedAsset]) {
     let mut folders: Vec<PathBuf> = vec![places.out.clone()];
     for asset in assets {
-        let files = Places { cache: None, ..places.clone() }.files(&asset.name, "", false);
+        let files = places.files(&asset.name, None, false);
         let files = [files.good.all(), files.rejected.all()].concat();
         folders.extend(files.iter().filter_map(|file| file.parent().map(Path::to_owned)));
     }
@@ -231,8 +244,7 @@ impl Batch<'_, '_> {
     /// What was refused between is of another time, if the good asset is the wanted one again.
     fn forget_rejected(&self, entry: &Entry, found: &Kept) {
         if !found.is_rejected {
-            let files =
-                Places { cache: None, ..self.settings.places.clone() }.files(&entry.asset.name, "", true);
+            let files = self.settings.places.files(&entry.asset.name, None, true);
             files.rejected.all().iter().for_each(|file| _ = std::fs::remove_file(file));
         }
     }
@@ -311,7 +323,7 @@ impl Foreman for Batch<'_, '_> {
     fn job(&mut self, turn: &Turn) -> (Job, Option<f64>) {
         let Entry { asset, decision, .. } = &self.entries[turn.index];
         let identity = decision.identity.clone().unwrap_or_default();
-        let files = self.settings.places.files(&asset.name, &identity.key, asset.report);
+        let files = self.settings.places.files(&asset.name, Some(&identity.key), asset.report);
         let candidates = match &decision.action {
             Action::Make(_, candidates) => candidates.clone(),
             _ => Vec::new(),

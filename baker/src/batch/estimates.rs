@@ -81,7 +81,7 @@ struct Estimator<'a> {
 impl Foreman for Estimator<'_> {
     fn job(&mut self, turn: &Turn) -> (Job, Option<f64>) {
         let asset = self.assets[turn.index].1;
-        let job = Job { task: Task::Estimate(subject(asset)), threads: turn.threads };
+        let job = Job { task: Task::Estimate(Box::new(subject(asset))), threads: turn.threads };
         (job, asset.timeout.or(self.timeout).filter(|_| !self.all_or_none))
     }
 

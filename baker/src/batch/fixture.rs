@@ -56,6 +56,9 @@ pub fn batch(assets: Vec<AssetReport>) -> Summary {
         jobs: 2,
         threads: 2,
         notes: Vec::new(),
+        unreadable: Vec::new(),
+        leftovers: Vec::new(),
+        plan: String::new(),
         assets,
     }
 }

@@ -20,7 +20,7 @@ pub struct Job {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub enum Task {
     /// Find what an asset will cost.
-    Estimate(Subject),
+    Estimate(Box<Subject>),
     /// Make an asset and all that belongs to it.
     Make(Box<Order>),
 }

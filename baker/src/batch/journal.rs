@@ -90,27 +90,33 @@ fn path(out: &Path, shard: Option<Shard>) -> PathBuf {
     out.join(of_part(JOURNAL, "jsonl", shard, &[]))
 }
 
-/// Of the batch's summary and of its shards'. One that can't be read is as good as none: assets are looked at instead.
+/// Of the batch's summary and of its parts'.
 fn of_summaries(out: &Path) -> Records {
-    let names = std::fs::read_dir(out)
-        .into_iter()
-        .flatten()
-        .filter_map(|entry| entry.ok()?.file_name().into_string().ok());
-    let mut names: Vec<String> =
-        names.filter(|name| name.starts_with("summary.") && name.ends_with(".json")).collect();
-    // The older the less it counts; the whole batch's comes last.
-    let age = |name: &String| std::fs::metadata(out.join(name)).and_then(|found| found.modified()).ok();
-    names.sort_by_key(|name| (age(name), name.clone()));
     let mut records = Records::new();
-    for name in names {
-        let text = std::fs::read_to_string(out.join(name)).unwrap_or_default();
-        let summary: Summary = serde_json::from_str(&text).unwrap_or_default();
+    for summary in summaries(out) {
         // What had no turn or failed says nothing of the asset that lies there.
         let known = summary.assets.into_iter().filter(|report| report.file_blake3.is_some());
         records.extend(known.map(|report| (report.name.clone(), report)));
     }
     records.retain(|name, _| stays_inside(name));
     records
+}
+
+/// Names of assets that earlier batches told of as left over.
+pub fn earlier_leftovers(out: &Path) -> impl Iterator<Item = String> {
+    summaries(out).into_iter().flat_map(|summary| summary.leftovers).filter(|name| stays_inside(name))
+}
+
+/// The oldest first. One that can't be read is as good as none: assets are looked at instead.
+fn summaries(out: &Path) -> Vec<Summary> {
+    let files = std::fs::read_dir(out).into_iter().flatten().filter_map(Result::ok);
+    let is_summary = |name: &str| name.starts_with("summary.") && name.ends_with(".json");
+    let names = files.filter_map(|file| file.file_name().into_string().ok()).filter(|name| is_summary(name));
+    let mut paths: Vec<PathBuf> = names.map(|name| out.join(name)).filter(|path| path.is_file()).collect();
+    let age = |path: &PathBuf| std::fs::metadata(path).and_then(|found| found.modified()).ok();
+    paths.sort_by_cached_key(|path| (age(path), path.clone()));
+    let texts = paths.iter().map(|path| std::fs::read_to_string(path).unwrap_or_default());
+    texts.map(|text| serde_json::from_str(&text).unwrap_or_default()).collect()
 }
 
 /// Names are paths in the folder; what a strange summary says may lead anywhere.

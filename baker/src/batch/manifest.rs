@@ -37,6 +37,9 @@ const MANIFESTS: Kind = Kind {
 #[serde(deny_unknown_fields, expecting = "give a table")]
 #[schemars(title = "volmap batch manifest")]
 pub struct Manifest {
+    /// The schema that an editor checks the file by: batch.schema.json.
+    #[serde(rename = "$schema", default, skip_serializing_if = "Option::is_none")]
+    pub schema: Option<String>,
     /// Version of this format: 1.
     pub version: u32,
     /// What holds for every asset that says nothing else.
@@ -169,11 +172,16 @@ pub fn parse(text: &str, syntax: Syntax, name: &str) -> Result<Manifest, Error> 
 }
 
 /// The manifest of meshes that the command line names.
-pub fn from_patterns(patterns: &[String], parameters: &Parameters) -> Manifest {
+pub fn from_patterns(patterns: &[String], name: Option<&str>, parameters: &Parameters) -> Manifest {
     Manifest {
+        schema: None,
         version: VERSION,
         defaults: Rules { bake: parameters.clone(), ..Rules::default() },
-        assets: vec![Entry { mesh: Texts(patterns.to_vec()), ..Entry::default() }],
+        assets: vec![Entry {
+            mesh: Texts(patterns.to_vec()),
+            name: name.map(str::to_owned),
+            ..Entry::default()
+        }],
     }
 }
 

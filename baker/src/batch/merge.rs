@@ -12,7 +12,9 @@ pub fn merge(mut parts: Vec<Summary>) -> Result<Summary, Error> {
     let shards = shards(&parts)?;
     require_all(&shards)?;
     require_same_batch(&parts)?;
-    let notes = notes(&parts);
+    let notes = joined(&parts, |part| &part.notes);
+    let unreadable = joined(&parts, |part| &part.unreadable);
+    let leftovers = joined(&parts, |part| &part.leftovers);
     let mut assets: Vec<AssetReport> =
         parts.iter_mut().flat_map(|part| std::mem::take(&mut part.assets)).collect();
     assets.sort_by_key(|asset| asset.position);
@@ -30,6 +32,9 @@ pub fn merge(mut parts: Vec<Summary>) -> Result<Summary, Error> {
         jobs: parts.iter().map(|part| part.jobs).sum(),
         threads: parts.iter().map(|part| part.threads).sum(),
         notes,
+        unreadable,
+        leftovers,
+        plan: first.plan.clone(),
         assets,
     })
 }
@@ -101,6 +106,13 @@ fn require_same_batch(parts: &[Summary]) -> Result<(), Error> {
                 part.program_version
             )));
         }
+        if part.plan != first.plan && part.manifest == first.manifest {
+            return Err(refused(format!(
+                "the manifest changed between part {} and part {}; run the older ones again",
+                index(first),
+                index(part)
+            )));
+        }
         if part.manifest != first.manifest {
             let name = |part: &Summary| part.manifest.clone().unwrap_or_else(|| "no manifest".into());
             return Err(refused(format!(
@@ -130,9 +142,9 @@ fn require_each_once(assets: &[AssetReport]) -> Result<(), Error> {
 }
 
 /// The notes of all parts, each once.
-fn notes(parts: &[Summary]) -> Vec<String> {
+fn joined(parts: &[Summary], of: impl Fn(&Summary) -> &Vec<String>) -> Vec<String> {
     let mut out: Vec<String> = Vec::new();
-    for note in parts.iter().flat_map(|part| &part.notes) {
+    for note in parts.iter().flat_map(of) {
         if !out.contains(note) {
             out.push(note.clone());
         }

@@ -31,6 +31,8 @@ pub struct Files {
     pub paths: Vec<String>,
     /// Folders that couldn't be read, names that aren't Unicode.
     pub notes: Vec<String>,
+    /// Folders that couldn't be looked into.
+    pub unreadable: Vec<String>,
 }
 
 /// What makes a glob of a text.
@@ -99,7 +101,7 @@ impl Pattern {
     /// The files that it means; of a path the path, whether a file is there or not. Links to folders aren't followed.
     pub fn files(&self, folder: &Path) -> Files {
         let Some(glob) = &self.glob else {
-            return Files { paths: vec![self.text.clone()], notes: Vec::new() };
+            return Files { paths: vec![self.text.clone()], ..Files::default() };
         };
         let root = folder.join(self.fixed_part());
         let root = if root.as_os_str().is_empty() { PathBuf::from(".") } else { root };
@@ -115,7 +117,7 @@ impl Pattern {
         for entry in walk.filter_entry(visible) {
             match entry {
                 Ok(entry) => self.take(&entry, &root, &mut files),
-                Err(error) => files.notes.push(error.to_string()),
+                Err(error) => files.unreadable.push(error.to_string()),
             }
         }
         files.paths.sort_unstable();
@@ -123,7 +125,8 @@ impl Pattern {
     }
 
     fn take(&self, entry: &DirEntry, root: &Path, files: &mut Files) {
-        if entry.file_type().is_dir() || !entry.path().is_file() {
+        // Links to folders are left out; broken ones and what else is no file can't be baked, and are told of then.
+        if entry.path().is_dir() {
             return;
         }
         let rest = entry.path().strip_prefix(root).unwrap_or(entry.path());

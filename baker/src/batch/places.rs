@@ -54,8 +54,8 @@ pub fn of_part(stem: &str, ending: &str, shard: Option<Shard>, tags: &[String]) 
 }
 
 impl Places {
-    /// Files of an asset with this name and key.
-    pub fn files(&self, name: &str, key: &str, with_report: bool) -> Files {
+    /// Files of an asset with this name and, for its place in the cache, key.
+    pub fn files(&self, name: &str, key: Option<&str>, with_report: bool) -> Files {
         let lot = |is_rejected| {
             let names = names(name, is_rejected);
             Lot {
@@ -67,7 +67,7 @@ impl Places {
         Files {
             good: lot(false),
             rejected: lot(true),
-            cached: self.cache.as_deref().map(|cache| cached(cache, key)),
+            cached: self.cache.as_deref().zip(key).map(|(cache, key)| cached(cache, key)),
         }
     }
 }

@@ -7,6 +7,9 @@ use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
 use std::sync::mpsc::Sender;
 use std::thread::JoinHandle;
 
+/// The argument that makes the program a worker.
+pub const WORKER: &str = "batch-worker";
+
 /// What of a worker's complaints is kept.
 const KEPT_COMPLAINT: usize = 4096;
 
@@ -32,7 +35,7 @@ impl Worker {
     /// A program that can't be started.
     pub fn start(program: &Path, number: usize, heard: &Sender<(usize, Heard)>) -> std::io::Result<Worker> {
         let mut command = Command::new(program);
-        command.arg("batch-worker").stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        command.arg(WORKER).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
         // Ctrl-C is for the batch, which ends its workers.
         #[cfg(unix)]
         std::os::unix::process::CommandExt::process_group(&mut command, 0);

@@ -41,7 +41,7 @@ impl Schedule {
     }
 
     /// Takes the next asset, if there are a job, a thread and memory for it. It waits rather than let smaller ones pass.
-    pub fn next(&mut self) -> Option<Turn> {
+    pub fn take(&mut self) -> Option<Turn> {
         let &(index, cost) = self.waiting.last()?;
         if self.running == self.jobs || self.threads.free == 0 || cost.memory > self.memory.free {
             return None;
@@ -86,33 +86,33 @@ mod tests {
     #[test]
     fn the_longest_come_first_and_take_more_threads_only_beyond_their_share() {
         let mut schedule = Schedule::new(&numbered(&[1.0, 9.0, 1.0, 1.0]), 2, 2, 100);
-        let turn = schedule.next().unwrap();
+        let turn = schedule.take().unwrap();
         assert_eq!((turn.index, turn.threads), (1, 2), "three quarters of the work would take longer alone");
-        assert_eq!(schedule.next(), None);
+        assert_eq!(schedule.take(), None);
         schedule.finished(&turn);
-        let (a, b) = (schedule.next().unwrap(), schedule.next().unwrap());
+        let (a, b) = (schedule.take().unwrap(), schedule.take().unwrap());
         assert_eq!((a.index, a.threads, b.index, b.threads), (0, 1, 2, 1));
         schedule.finished(&a);
-        let last = schedule.next().unwrap();
+        let last = schedule.take().unwrap();
         assert_eq!((last.index, last.threads), (3, 1), "the other thread is taken");
     }
 
     #[test]
     fn one_job_has_all_threads() {
         let mut schedule = Schedule::new(&numbered(&[1.0; 8]), 1, 4, 100);
-        assert_eq!(schedule.next().unwrap().threads, 4);
-        assert_eq!(schedule.next(), None);
+        assert_eq!(schedule.take().unwrap().threads, 4);
+        assert_eq!(schedule.take(), None);
     }
 
     #[test]
     fn memory_is_kept() {
         let costs = [(0, Cost { memory: 60, ..cost(2.0) }), (1, Cost { memory: 50, ..cost(1.0) })];
         let mut schedule = Schedule::new(&costs, 2, 2, 100);
-        let first = schedule.next().unwrap();
-        assert_eq!(schedule.next(), None);
+        let first = schedule.take().unwrap();
+        assert_eq!(schedule.take(), None);
         assert_eq!(schedule.rest().collect::<Vec<_>>(), [1]);
         schedule.finished(&first);
-        assert_eq!(schedule.next().unwrap().index, 1);
+        assert_eq!(schedule.take().unwrap().index, 1);
     }
 
     proptest! {
@@ -125,7 +125,7 @@ mod tests {
             let mut schedule = Schedule::new(&numbered(&seconds), jobs, threads, 5);
             let (mut running, mut done) = (Vec::new(), 0);
             for pick in picks {
-                while let Some(turn) = schedule.next() {
+                while let Some(turn) = schedule.take() {
                     prop_assert!(turn.threads >= 1);
                     running.push(turn);
                 }

@@ -74,12 +74,15 @@ impl<'a> Known<'a> {
 
 /// Decides what is to be done with an asset.
 pub fn decide(asset: &PlannedAsset, known: &Known) -> Decision {
+    if let Some(fault) = &asset.fault {
+        return Decision { identity: None, action: Action::Fail(fault.clone()) };
+    }
     let effective = parameters(&asset.parameters.recipe(), asset.error_points);
     let identity = match identify(&asset.mesh, effective) {
         Ok(identity) => identity,
         Err(error) => return Decision { identity: None, action: Action::Fail(error.to_string()) },
     };
-    let files = known.places.files(&asset.name, &identity.key, asset.report);
+    let files = known.places.files(&asset.name, Some(&identity.key), asset.report);
     let action = match known.rebuild {
         true => Action::Make("a rebuild was asked for".into(), Vec::new()),
         false => action(asset, &identity, &files, known),
@@ -107,7 +110,7 @@ fn action(asset: &PlannedAsset, identity: &Identity, files: &Files, known: &Know
     }
     let mut candidates: Vec<PathBuf> = files.cached.iter().filter(|file| file.exists()).cloned().collect();
     for other in known.by_key.get(identity.key.as_str()).into_iter().flatten() {
-        let other = known.places.files(other, &identity.key, false);
+        let other = known.places.files(other, None, false);
         candidates.extend([other.good.asset, other.rejected.asset].into_iter().filter(|file| file.exists()));
     }
     Action::Make(why, candidates)
@@ -116,7 +119,7 @@ fn action(asset: &PlannedAsset, identity: &Identity, files: &Files, known: &Know
 /// What belongs to an asset is made again if it is gone.
 fn keep(asset: &PlannedAsset, mut found: Kept, lot: &Lot, known: &Known) -> Action {
     found.failed_gates = gates::failed(&asset.gates, &found.figures, found.bytes);
-    found.is_rejected = lot.asset == known.places.files(&asset.name, "", false).rejected.asset;
+    found.is_rejected = lot.asset == known.places.files(&asset.name, None, false).rejected.asset;
     let is_gone = |file: &PathBuf| !known.thorough && !file.exists();
     match () {
         () if is_gone(&lot.preview) => Action::Make("its picture is missing".into(), vec![lot.asset.clone()]),
@@ -156,6 +159,9 @@ fn look(
     let recorded = record.filter(|record| record.file_blake3.as_ref() == Some(&hash));
     let same_key =
         |record: &&AssetReport| record.identity.as_ref().is_some_and(|old| old.key == identity.key);
+    if recorded.is_none() && record.is_some_and(|record| same_key(&record) && record.output_is(path)) {
+        return outdated("its file is damaged: it isn't what the batch wrote".into());
+    }
     let kept = |figures| Kept {
         failed_gates: Vec::new(),
         bytes: size,

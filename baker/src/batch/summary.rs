@@ -33,6 +33,12 @@ pub struct Summary {
     pub threads: usize,
     /// What else there is to say: patterns without a mesh, assets that the manifest has no more.
     pub notes: Vec<String>,
+    /// Folders that couldn't be looked into: there may be more meshes.
+    pub unreadable: Vec<String>,
+    /// Names of assets that earlier batches made in this folder and the manifest has no more.
+    pub leftovers: Vec<String>,
+    /// BLAKE3 of all that the manifest says of its assets: parts of one batch have the same.
+    pub plan: String,
     /// The assets, in the order of the manifest.
     pub assets: Vec<AssetReport>,
 }
@@ -154,6 +160,20 @@ pub struct Figures {
     pub warnings: Vec<String>,
 }
 
+impl AssetReport {
+    /// Whether what is said of the file is said of this one: an asset that lies where the other did, good or rejected.
+    pub fn output_is(&self, path: &std::path::Path) -> bool {
+        path.ends_with(&self.output)
+    }
+}
+
+impl Summary {
+    /// Whether every asset is there and good, and no folder was left out.
+    pub fn is_good(&self) -> bool {
+        self.counts.all_good() && self.unreadable.is_empty()
+    }
+}
+
 impl Counts {
     /// Counts outcomes.
     pub fn of(assets: &[AssetReport]) -> Counts {
@@ -180,7 +200,7 @@ impl Counts {
         ]
     }
 
-    /// Whether every asset is there and good.
+    /// Whether every asset that is known is there and good.
     pub fn all_good(&self) -> bool {
         self.rejected + self.failed + self.not_tried == 0
     }

@@ -65,6 +65,11 @@ fn start(arguments: &BatchArguments) -> Result<ExitCode> {
         if stop.load(Ordering::Relaxed) {
             return Ok(ExitCode::from(STOPPED));
         }
+        if arguments.log == Log::Json {
+            say(&serde_json::to_string_pretty(&found)?);
+            let is_good = found.assets.iter().all(|asset| asset.cost.is_ok());
+            return Ok(ExitCode::from(if is_good { 0 } else { SOME_FAILED }));
+        }
         return Ok(show_check(&found, arguments));
     }
     let mut progress = BatchProgress::new(arguments.quiet);
@@ -104,6 +109,9 @@ fn read(arguments: &BatchArguments) -> Result<(Option<PathBuf>, Manifest, PathBu
                     "{input}: parameters of the map, mesh and file stand in the manifest, under [defaults] bake"
                 );
             }
+            if arguments.name.is_some() {
+                bail!("{input}: names stand in the manifest, as `name` of its assets");
+            }
             let path = PathBuf::from(input);
             let folder = path.parent().unwrap_or(Path::new("")).to_owned();
             Ok((Some(path.clone()), manifest::load(&path)?, folder))
@@ -112,7 +120,11 @@ fn read(arguments: &BatchArguments) -> Result<(Option<PathBuf>, Manifest, PathBu
             if let Some(input) = inputs.iter().find(|input| is_manifest(input)) {
                 bail!("{input}: a manifest stands alone; give meshes and patterns, or one manifest");
             }
-            Ok((None, manifest::from_patterns(inputs, &arguments.parameters), PathBuf::new()))
+            Ok((
+                None,
+                manifest::from_patterns(inputs, arguments.name.as_deref(), &arguments.parameters),
+                PathBuf::new(),
+            ))
         }
     }
 }
@@ -144,6 +156,9 @@ fn settings(arguments: &BatchArguments) -> Result<Settings> {
     let out = arguments.out.clone().context("--out: name the folder of the assets")?;
     // Workers are told in JSON.
     for folder in [Some(&out), arguments.cache.as_ref()].into_iter().flatten() {
+        if folder.exists() && !folder.is_dir() {
+            bail!("{}: isn't a folder", folder.display());
+        }
         folder
             .to_str()
             .with_context(|| format!("{}: the name isn't Unicode; take another folder", folder.display()))?;
@@ -187,7 +202,7 @@ fn close(summary: &Summary, out: &Path, arguments: &BatchArguments) -> ExitCode 
         Log::Text => say(&log::closing(summary, out)),
         Log::Json => say(&log::json_closing(summary)),
     }
-    match summary.counts.all_good() {
+    match summary.is_good() {
         _ if summary.interrupted => ExitCode::from(STOPPED),
         true => ExitCode::SUCCESS,
         false => ExitCode::from(SOME_FAILED),
@@ -250,6 +265,14 @@ fn verify_folder(arguments: &VerifyArguments) -> Result<ExitCode> {
         None => verify::manifest_of(&arguments.folder)?,
     };
     let expanded = expand(&manifest::load(&path)?, path.parent().unwrap_or(Path::new("")))?;
+    if expanded.assets.is_empty() {
+        bail!(
+            "{}: no mesh is found, so there is nothing to verify: {}",
+            path.display(),
+            expanded.notes.join("; ")
+        );
+    }
+    expanded.unreadable.iter().for_each(|note| eprintln!("error: {note}"));
     let processors = || std::thread::available_parallelism().map_or(1, usize::from);
     let threads = arguments.threads.unwrap_or_else(processors);
     let findings = verify::verify(&expanded, &arguments.folder, threads);
@@ -264,5 +287,6 @@ fn verify_folder(arguments: &VerifyArguments) -> Result<ExitCode> {
             say(&format!("{} of {} assets are good", findings.len() - bad, findings.len()));
         }
     }
-    Ok(if bad == 0 { ExitCode::SUCCESS } else { ExitCode::from(SOME_FAILED) })
+    let is_good = bad == 0 && expanded.unreadable.is_empty();
+    Ok(if is_good { ExitCode::SUCCESS } else { ExitCode::from(SOME_FAILED) })
 }
