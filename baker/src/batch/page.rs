@@ -2,7 +2,7 @@
 
 use super::log::{counted, why};
 use super::summary::{AssetReport, Outcome, Summary};
-use crate::page::{self, Block, Cell, Column, Link, Page, Parameter, Section, Table, Verdict};
+use crate::page::{self, Block, Cell, Column, Link, Page, Section, Table, Verdict};
 use crate::picture::png;
 use crate::picture::scale::number;
 use crate::summary::bytes;
@@ -64,7 +64,7 @@ fn verdict(summary: &Summary) -> Verdict {
     if summary.interrupted {
         text += " The batch was stopped before its end.";
     }
-    let passed = summary.counts.all_good() && !summary.interrupted;
+    let passed = summary.is_good() && !summary.interrupted;
     let mut figures = vec![("good".to_owned(), format!("{good} of {}", assets.len()))];
     let size: u64 = assets.iter().filter(|asset| is_good(asset)).filter_map(|asset| asset.bytes).sum();
     figures.push(("size of the good ones".into(), bytes(size)));
@@ -84,14 +84,14 @@ fn error(asset: &AssetReport) -> Option<f64> {
 /// What failed and what was rejected, with causes.
 fn bad(summary: &Summary) -> Option<Section> {
     let of = |outcome| summary.assets.iter().filter(move |asset| asset.outcome == outcome);
-    let row = |asset: &AssetReport| Parameter {
-        name: asset.name.clone(),
-        value: why(asset),
-        note: format!("{}, {}", asset.outcome.name(), asset.mesh),
+    let row = |asset: &AssetReport| {
+        vec![Cell::text(asset.name.clone()), Cell::text(why(asset)), Cell::text(asset.outcome.name())]
     };
-    let list: Vec<Parameter> = of(Outcome::Failed).chain(of(Outcome::Rejected)).map(row).collect();
+    let rows: Vec<Vec<Cell>> = of(Outcome::Failed).chain(of(Outcome::Rejected)).map(row).collect();
+    let columns = vec![Column::sentences("asset"), Column::sentences("cause"), Column::text("outcome")];
     let title = "Failed and rejected".into();
-    (!list.is_empty()).then(|| Section { title, blocks: vec![Block::Parameters(list)] })
+    let table = Table { caption: String::new(), columns, rows };
+    (!table.rows.is_empty()).then(|| Section { title, blocks: vec![Block::Table(table)] })
 }
 
 fn notes(summary: &Summary) -> Option<Section> {
@@ -269,8 +269,8 @@ mod tests {
         assert!(page.verdict.text.starts_with("3 of 6 assets are good: 1 built"), "{}", page.verdict.text);
         let titles: Vec<&str> = page.sections.iter().map(|section| section.title.as_str()).collect();
         assert_eq!(titles, ["Failed and rejected", "Assets", "Totals"]);
-        let [Block::Parameters(bad)] = &page.sections[0].blocks[..] else { panic!("a list") };
-        let said: Vec<[&str; 2]> = bad.iter().map(|row| [row.name.as_str(), row.value.as_str()]).collect();
+        let [Block::Table(bad)] = &page.sections[0].blocks[..] else { panic!("a table") };
+        let said: Vec<[&str; 2]> = bad.rows.iter().map(|row| [&*row[0].text, &*row[1].text]).collect();
         assert_eq!(said[0], ["bad", "meshes/bad.obj: line 3: a face needs three corners"]);
         assert_eq!(said[1], ["props/rock", "the largest error is 0.42 %, more than max_error 0.1 %"]);
         let rows = &table(&page).rows;
