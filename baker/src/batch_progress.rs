@@ -13,8 +13,11 @@ pub struct BatchProgress {
 
 struct Bars {
     all: MultiProgress,
+    /// In thousandths of a second of estimated work.
     overall: ProgressBar,
     seats: Vec<ProgressBar>,
+    assets: usize,
+    done: usize,
 }
 
 impl BatchProgress {
@@ -62,29 +65,41 @@ impl Bars {
     fn new() -> Bars {
         let all = MultiProgress::with_draw_target(ProgressDrawTarget::stderr());
         let overall = all.add(ProgressBar::new(0));
-        let style = ProgressStyle::with_template("{msg} {wide_bar} {pos} of {len}, {elapsed}");
+        let style = ProgressStyle::with_template("{msg} {wide_bar} {elapsed}, {eta} left");
         overall.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
         overall.set_message("comparing");
         overall.enable_steady_tick(Duration::from_millis(200));
-        Bars { all, overall, seats: Vec::new() }
+        Bars { all, overall, seats: Vec::new(), assets: 0, done: 0 }
     }
 
     fn event(&mut self, event: &Event) {
         match event {
             Event::Checked { assets, .. } => {
-                self.overall.set_length(*assets as u64);
+                self.assets = *assets;
                 self.overall.set_message("estimating");
             }
-            Event::Estimated(_) => self.overall.set_message("baking"),
+            Event::Estimated(seconds) => {
+                self.overall.set_length((1e3 * seconds) as u64);
+                self.overall.reset_eta();
+                self.count(0, 0.0);
+            }
             Event::Begun { seat, name } => self.seat(*seat).set_message((*name).to_owned()),
             Event::Step { seat, name, step } => self.seat(*seat).set_message(format!("{name}: {step}")),
-            Event::Finished { seat, .. } => {
-                self.overall.inc(1);
+            Event::Finished { seat, report } => {
+                // Others are settled before the work begins.
+                let seconds = seat.and(report.estimated_seconds);
+                self.count(1, seconds.unwrap_or(0.0));
                 if let Some(seat) = seat {
                     self.seat(*seat).set_message("");
                 }
             }
         }
+    }
+
+    fn count(&mut self, done: usize, seconds: f64) {
+        self.done += done;
+        self.overall.inc((1e3 * seconds) as u64);
+        self.overall.set_message(format!("{} of {}", self.done, self.assets));
     }
 
     fn seat(&mut self, seat: usize) -> &ProgressBar {

@@ -474,6 +474,13 @@ fn checks_estimate_and_make_nothing() {
     place.write("meshes/c.obj", "f 1 2 3\n");
     let (code, text) = place.batch("out", &["--check"]);
     assert!(code == Some(1) && text.contains("can't be made  c:"), "{text}");
+    let (_, text) = place.batch("out", &["--check", "--log", "json"]);
+    let found: Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(
+        (&found["assets"][0]["reason"], found["assets"][0]["cost"]["file"].is_u64()),
+        (&Value::Null, true)
+    );
+    assert!(found["assets"][2]["error"].as_str().unwrap().contains("c.obj"), "{text}");
 }
 
 #[test]

@@ -9,11 +9,11 @@ use super::journal::records;
 use super::schedule::{Schedule, Turn};
 use super::state::Action;
 use crate::error::Error;
-use serde::Serialize;
+use serde_json::{Value, json};
 use std::sync::atomic::AtomicBool;
 
 /// What would come of a batch.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Check {
     /// Each asset.
     pub assets: Vec<Checked>,
@@ -26,7 +26,7 @@ pub struct Check {
 }
 
 /// What would come of an asset.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Checked {
     /// Its name.
     pub name: String,
@@ -34,6 +34,18 @@ pub struct Checked {
     pub reason: Option<String>,
     /// What it would cost, or why it can't be made.
     pub cost: Result<Cost, String>,
+}
+
+impl Check {
+    /// For programs: a list of assets, each with a cost or an error, and the sums.
+    pub fn to_json(&self) -> Value {
+        let asset = |asset: &Checked| match &asset.cost {
+            Ok(cost) => json!({ "name": asset.name, "reason": asset.reason, "cost": cost }),
+            Err(error) => json!({ "name": asset.name, "reason": asset.reason, "error": error }),
+        };
+        let assets: Vec<Value> = self.assets.iter().map(asset).collect();
+        json!({ "assets": assets, "seconds": self.seconds, "memory": self.memory, "files": self.files })
+    }
 }
 
 /// Looks at everything and makes nothing.

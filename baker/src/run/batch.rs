@@ -66,7 +66,7 @@ fn start(arguments: &BatchArguments) -> Result<ExitCode> {
             return Ok(ExitCode::from(STOPPED));
         }
         if arguments.log == Log::Json {
-            say(&serde_json::to_string_pretty(&found)?);
+            say(&format!("{:#}", found.to_json()));
             let is_good = found.assets.iter().all(|asset| asset.cost.is_ok());
             return Ok(ExitCode::from(if is_good { 0 } else { SOME_FAILED }));
         }
