@@ -108,7 +108,8 @@ fn action(asset: &PlannedAsset, identity: &Identity, files: &Files, known: &Know
         }
         return Action::Make("its gates let it pass now".into(), vec![files.rejected.asset.clone()]);
     }
-    let mut candidates: Vec<PathBuf> = files.cached.iter().filter(|file| file.exists()).cloned().collect();
+    // The cache's may appear before its turn: another machine may be at the same work.
+    let mut candidates: Vec<PathBuf> = files.cached.iter().cloned().collect();
     for other in known.by_key.get(identity.key.as_str()).into_iter().flatten() {
         let other = known.places.files(other, None, false);
         candidates.extend([other.good.asset, other.rejected.asset].into_iter().filter(|file| file.exists()));
