@@ -20,7 +20,7 @@ pub fn blank(entry: &Entry, outcome: Outcome) -> AssetReport {
         error: None,
         failed_gates: Vec::new(),
         identity: entry.decision.identity.clone(),
-        estimated_seconds: entry.cost.map(|cost| cost.seconds),
+        estimated_seconds: entry.cost().map(|cost| cost.seconds),
         seconds: None,
         threads: None,
         peak_memory: None,

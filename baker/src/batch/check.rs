@@ -3,9 +3,9 @@
 use super::assets::Expanded;
 use super::crew::Crew;
 use super::engine::{Settings, decisions};
-use super::estimates::{estimates, own_part};
+use super::estimates::{Estimates, estimates, own_part, within};
 use super::job::Cost;
-use super::journal::records;
+use super::journal::past;
 use super::schedule::{Schedule, Turn};
 use super::state::Action;
 use crate::error::Error;
@@ -53,25 +53,25 @@ impl Check {
 /// # Errors
 /// A worker that can't be started.
 pub fn check(expanded: &Expanded, settings: &Settings, stop: &AtomicBool) -> Result<Check, Error> {
-    let own: Vec<usize> = match settings.shard {
-        Some(shard) => {
-            own_part(&expanded.assets, shard, settings, stop)?.into_iter().map(|(index, _)| index).collect()
+    let own: Estimates = match settings.shard {
+        Some(shard) => own_part(&expanded.assets, shard, settings, stop)?,
+        None => {
+            let all: Vec<_> = expanded.assets.iter().enumerate().collect();
+            let mut crew = Crew::new(&settings.worker, settings.jobs, settings.max_memory, stop);
+            let mut found = estimates(&all, settings, &mut crew)?;
+            found.sort_by_key(|(index, _)| *index);
+            found
         }
-        None => (0..expanded.assets.len()).collect(),
     };
-    let part: Vec<_> = own.iter().map(|&index| (index, &expanded.assets[index])).collect();
-    let mut costs = vec![Err("the check was stopped before".to_owned()); expanded.assets.len()];
-    let mut crew = Crew::new(&settings.worker, settings.jobs, settings.max_memory, stop);
-    estimates(&part, settings, &mut crew)?.into_iter().for_each(|(index, cost)| costs[index] = cost);
-    let assets: Vec<_> = own.iter().map(|&index| &expanded.assets[index]).collect();
-    let decisions = decisions(&assets, settings, &records(&settings.places.out, settings.shard));
-    let checked = own.iter().zip(&assets).zip(decisions).map(|((&index, asset), decision)| {
+    let assets: Vec<_> = own.iter().map(|(index, _)| &expanded.assets[*index]).collect();
+    let decisions = decisions(&assets, settings, &past(&settings.places.out, settings.shard).records);
+    let checked = own.iter().zip(&assets).zip(decisions).map(|(((_, estimate), asset), decision)| {
         let (reason, fault) = match decision.action {
             Action::Keep(_) => (None, None),
             Action::Make(reason, _) => (Some(reason), None),
             Action::Fail(error) => (Some(String::new()), Some(error)),
         };
-        let cost = fault.map_or_else(|| within(&costs[index], settings.max_memory), Err);
+        let cost = fault.map_or_else(|| within(estimate, settings.max_memory), Err);
         Checked { name: asset.name.clone(), reason, cost }
     });
     let assets: Vec<Checked> = checked.collect();
@@ -79,13 +79,6 @@ pub fn check(expanded: &Expanded, settings: &Settings, stop: &AtomicBool) -> Res
     let to_make: Vec<Cost> = made.filter_map(|asset| asset.cost.as_ref().ok().copied()).collect();
     let (seconds, memory) = simulate(&to_make, settings);
     Ok(Check { assets, seconds, memory, files: to_make.iter().map(|cost| cost.file).sum() })
-}
-
-fn within(cost: &Result<Cost, String>, allowed: u64) -> Result<Cost, String> {
-    match cost {
-        Ok(cost) if cost.memory > allowed => Err(Error::Memory { needed: cost.memory, allowed }.to_string()),
-        other => other.clone(),
-    }
 }
 
 /// Wall time and memory of a schedule, if the estimates were exact and threads didn't hinder each other.

@@ -3,9 +3,9 @@
 use super::asset_report::{blank, failed, kept, made};
 use super::assets::{Expanded, PlannedAsset};
 use super::crew::{Crew, Foreman};
-use super::estimates::{estimates, own_part, subject};
+use super::estimates::{estimates, own_part, subject, within};
 use super::job::{Cost, Job, Order, Reply, Task};
-use super::journal::{Journal, Records, earlier_leftovers};
+use super::journal::{Journal, Records};
 use super::places::Places;
 use super::prune::{Leftovers, Tidied, tidy};
 use super::publish::{publish, relative};
@@ -14,6 +14,7 @@ use super::state::{Action, Decision, Kept, Known, decide};
 use super::summary::{AssetReport, Counts, Outcome, SUMMARY_VERSION, Shard, Summary};
 use crate::error::Error;
 use rayon::prelude::*;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -102,21 +103,25 @@ pub fn run(
     let start = Instant::now();
     let out = &settings.places.out;
     std::fs::create_dir_all(out).map_err(|source| Error::Io { path: out.clone(), source })?;
-    let (journal, records) = Journal::open(out, settings.shard)?;
-    let known_names = records.keys().cloned().collect();
+    let (journal, past) = Journal::open(out, settings.shard)?;
+    let known_names = past.names();
+    let records = past.records;
     clear_folders(&settings.places, &expanded.assets);
     let own = match settings.shard {
-        Some(shard) => own_part(&expanded.assets, shard, settings, stop)?,
-        None => (0..expanded.assets.len()).map(|index| (index, None)).collect(),
+        Some(shard) => {
+            let part = own_part(&expanded.assets, shard, settings, stop)?;
+            part.into_iter().map(|(index, cost)| (index, Some(cost))).collect()
+        }
+        None => (0..expanded.assets.len()).map(|index| (index, None)).collect::<Vec<_>>(),
     };
     let assets: Vec<&PlannedAsset> = own.iter().map(|(index, _)| &expanded.assets[*index]).collect();
     let decisions = decisions(&assets, settings, &records);
     let entries = assets.into_iter().zip(decisions).zip(own);
-    let entries = entries.map(|((asset, decision), (position, cost))| Entry {
+    let entries = entries.map(|((asset, decision), (position, estimate))| Entry {
         asset,
         decision,
         position,
-        cost,
+        estimate,
         report: None,
     });
     let mut batch = Batch { journal, records, settings, on_event, entries: entries.collect(), failure: None };
@@ -143,10 +148,8 @@ pub fn run(
 fn leftovers(
     expanded: &Expanded,
     settings: &Settings,
-    (records, interrupted): (Vec<String>, bool),
+    (known, interrupted): (BTreeSet<String>, bool),
 ) -> Result<Tidied, Error> {
-    let out = &settings.places.out;
-    let known = records.into_iter().chain(earlier_leftovers(out)).collect();
     let is_sure = !interrupted && expanded.notes.is_empty() && expanded.unreadable.is_empty();
     match settings.leftovers {
         Leftovers::Remove if !is_sure => {
@@ -204,10 +207,17 @@ pub struct Entry<'e> {
     pub decision: Decision,
     /// In the manifest's order, from 0.
     pub position: usize,
-    /// What it costs, if that was estimated.
-    pub cost: Option<Cost>,
+    /// What it costs, or why that can't be told, once it is estimated.
+    pub estimate: Option<Result<Cost, String>>,
     /// What came of it, once it is known.
     pub report: Option<AssetReport>,
+}
+
+impl Entry<'_> {
+    /// What it costs, if that is known.
+    pub fn cost(&self) -> Option<Cost> {
+        self.estimate.as_ref()?.as_ref().ok().copied()
+    }
 }
 
 impl Batch<'_, '_> {
@@ -244,8 +254,7 @@ impl Batch<'_, '_> {
     /// What was refused between is of another time, if the good asset is the wanted one again.
     fn forget_rejected(&self, entry: &Entry, found: &Kept) {
         if !found.is_rejected {
-            let files = self.settings.places.files(&entry.asset.name, None, true);
-            files.rejected.all().iter().for_each(|file| _ = std::fs::remove_file(file));
+            self.settings.places.files(&entry.asset.name, None, true).rejected.forget();
         }
     }
 
@@ -259,22 +268,18 @@ impl Batch<'_, '_> {
     }
 
     fn estimate(&mut self, crew: &mut Crew) -> Result<(), Error> {
-        let is_open = |entry: &Entry| entry.report.is_none() && entry.cost.is_none();
+        let is_open = |entry: &Entry| entry.report.is_none() && entry.estimate.is_none();
         let entries = self.entries.iter().enumerate().filter(|(_, entry)| is_open(entry));
         let assets: Vec<(usize, &PlannedAsset)> =
             entries.map(|(index, entry)| (index, entry.asset)).collect();
-        for (index, cost) in estimates(&assets, self.settings, crew)? {
-            match cost {
-                Ok(cost) => self.entries[index].cost = Some(cost),
-                Err(error) => self.settle(None, index, failed(&self.entries[index], error)),
-            }
+        for (index, estimate) in estimates(&assets, self.settings, crew)? {
+            self.entries[index].estimate = Some(estimate);
         }
-        let allowed = self.settings.max_memory;
         for index in 0..self.entries.len() {
             let entry = &self.entries[index];
-            let needed = entry.cost.map_or(0, |cost| cost.memory);
-            if entry.report.is_none() && needed > allowed {
-                self.settle(None, index, failed(entry, Error::Memory { needed, allowed }.to_string()));
+            let (None, Some(estimate)) = (&entry.report, &entry.estimate) else { continue };
+            if let Err(error) = within(estimate, self.settings.max_memory) {
+                self.settle(None, index, failed(entry, error));
             }
         }
         Ok(())
@@ -283,7 +288,7 @@ impl Batch<'_, '_> {
     fn make(&mut self, crew: &mut Crew) -> Result<(), Error> {
         let open = self.entries.iter().enumerate().filter(|(_, entry)| entry.report.is_none());
         let costs: Vec<(usize, Cost)> =
-            open.filter_map(|(index, entry)| Some((index, entry.cost?))).collect();
+            open.filter_map(|(index, entry)| Some((index, entry.cost()?))).collect();
         (self.on_event)(Event::Estimated(costs.iter().map(|(_, cost)| cost.seconds).sum()));
         let Settings { jobs, threads, max_memory, .. } = *self.settings;
         let mut schedule = Schedule::new(&costs, jobs, threads, max_memory);

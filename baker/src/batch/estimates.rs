@@ -43,7 +43,7 @@ pub fn estimates(
     Ok(estimator.found)
 }
 
-/// A shard's assets and what they cost. Every machine finds the same: nothing is limited here, and a worker that ends is
+/// A shard's assets, in their order, and what they cost. Every machine finds the same: nothing is limited here, and a worker that ends is
 /// an error.
 ///
 /// # Errors
@@ -53,7 +53,7 @@ pub fn own_part(
     shard: Shard,
     settings: &Settings,
     stop: &AtomicBool,
-) -> Result<Vec<(usize, Option<Cost>)>, Error> {
+) -> Result<Estimates, Error> {
     let all: Vec<(usize, &PlannedAsset)> = assets.iter().enumerate().collect();
     let jobs = settings.jobs.min(settings.threads);
     let costs: Vec<(usize, Cost)> = all.iter().map(|(at, _)| (*at, Cost::default())).collect();
@@ -63,11 +63,12 @@ pub fn own_part(
     if estimator.found.len() < assets.len() {
         return Err(Error::setting("--shard", "the batch was stopped before its parts were found"));
     }
-    let mut costs = vec![None; assets.len()];
-    estimator.found.into_iter().for_each(|(index, cost)| costs[index] = cost.ok());
+    let mut found = estimator.found;
+    found.sort_by_key(|(index, _)| *index);
+    let costs: Vec<Option<Cost>> = found.iter().map(|(_, cost)| cost.as_ref().ok().copied()).collect();
     let shards = partition(&costs, shard.count);
-    let own = (0..assets.len()).filter(|&index| shards[index] + 1 == shard.index);
-    Ok(own.map(|index| (index, costs[index])).collect())
+    found.retain(|(index, _)| shards[*index] + 1 == shard.index);
+    Ok(found)
 }
 
 struct Estimator<'a> {
@@ -98,6 +99,17 @@ impl Foreman for Estimator<'_> {
         };
         self.found.push((index, cost));
         Ok(true)
+    }
+}
+
+/// The cost, if so much memory allows it.
+///
+/// # Errors
+/// Why it can't be made, in words.
+pub fn within(estimate: &Result<Cost, String>, allowed: u64) -> Result<Cost, String> {
+    match estimate {
+        Ok(cost) if cost.memory > allowed => Err(Error::Memory { needed: cost.memory, allowed }.to_string()),
+        other => other.clone(),
     }
 }
 

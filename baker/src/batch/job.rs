@@ -76,6 +76,11 @@ pub struct Lot {
 }
 
 impl Lot {
+    /// Removes what of it is there, if it can.
+    pub fn forget(&self) {
+        self.all().iter().for_each(|file| _ = std::fs::remove_file(file));
+    }
+
     /// All files.
     pub fn all(&self) -> Vec<PathBuf> {
         let report = self.report.iter().flat_map(|page| [page.clone(), page.with_extension("json")]);

@@ -4,7 +4,7 @@
 use super::places::of_part;
 use super::summary::{AssetReport, Shard, Summary};
 use crate::error::Error;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{File, TryLockError};
 use std::io::{BufRead, BufReader, Seek, SeekFrom, Write};
 use std::path::{Component, Path, PathBuf};
@@ -21,12 +21,28 @@ pub struct Journal {
 /// What is known of assets from earlier batches, by their names.
 pub type Records = BTreeMap<String, AssetReport>;
 
+/// What earlier batches in a folder knew.
+#[derive(Default)]
+pub struct Past {
+    /// Of assets.
+    pub records: Records,
+    /// Names of assets that they told of as left over.
+    pub leftovers: BTreeSet<String>,
+}
+
+impl Past {
+    /// Names of all assets that batches made in the folder, as far as is known.
+    pub fn names(&self) -> BTreeSet<String> {
+        self.records.keys().chain(&self.leftovers).cloned().collect()
+    }
+}
+
 impl Journal {
     /// Begins, and says what earlier batches knew: their summaries, and what the journal of one that was killed holds.
     ///
     /// # Errors
     /// A folder that can't be written to, or in which another batch is at work.
-    pub fn open(out: &Path, shard: Option<Shard>) -> Result<(Journal, Records), Error> {
+    pub fn open(out: &Path, shard: Option<Shard>) -> Result<(Journal, Past), Error> {
         let path = path(out, shard);
         let io = |source| Error::Io { path: path.clone(), source };
         let options = &mut File::options();
@@ -37,13 +53,13 @@ impl Journal {
                 reason: "another batch is at work in this folder; wait for it, or take another --out".into(),
             });
         }
-        let mut records = of_summaries(out);
-        add_lines(&mut records, &file);
+        let mut past = of_summaries(out);
+        add_lines(&mut past.records, &file);
         // The last line may be a part of one.
         if file.seek(SeekFrom::End(0)).map_err(io)? > 0 {
             file.write_all(b"\n").map_err(io)?;
         }
-        Ok((Journal { path, file }, records))
+        Ok((Journal { path, file }, past))
     }
 
     /// Notes an asset.
@@ -71,12 +87,12 @@ impl Journal {
 }
 
 /// What earlier batches in a folder knew.
-pub fn records(out: &Path, shard: Option<Shard>) -> Records {
-    let mut records = of_summaries(out);
+pub fn past(out: &Path, shard: Option<Shard>) -> Past {
+    let mut past = of_summaries(out);
     if let Ok(file) = File::open(path(out, shard)) {
-        add_lines(&mut records, &file);
+        add_lines(&mut past.records, &file);
     }
-    records
+    past
 }
 
 fn add_lines(records: &mut Records, file: &File) {
@@ -91,20 +107,17 @@ fn path(out: &Path, shard: Option<Shard>) -> PathBuf {
 }
 
 /// Of the batch's summary and of its parts'.
-fn of_summaries(out: &Path) -> Records {
-    let mut records = Records::new();
+fn of_summaries(out: &Path) -> Past {
+    let mut past = Past::default();
     for summary in summaries(out) {
         // What had no turn or failed says nothing of the asset that lies there.
         let known = summary.assets.into_iter().filter(|report| report.file_blake3.is_some());
-        records.extend(known.map(|report| (report.name.clone(), report)));
+        past.records.extend(known.map(|report| (report.name.clone(), report)));
+        past.leftovers.extend(summary.leftovers);
     }
-    records.retain(|name, _| stays_inside(name));
-    records
-}
-
-/// Names of assets that earlier batches told of as left over.
-pub fn earlier_leftovers(out: &Path) -> impl Iterator<Item = String> {
-    summaries(out).into_iter().flat_map(|summary| summary.leftovers).filter(|name| stays_inside(name))
+    past.records.retain(|name, _| stays_inside(name));
+    past.leftovers.retain(|name| stays_inside(name));
+    past
 }
 
 /// The oldest first. One that can't be read is as good as none: assets are looked at instead.

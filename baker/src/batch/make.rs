@@ -38,11 +38,13 @@ pub fn make(order: &Order, on_step: &mut dyn FnMut(&str)) -> Result<Made, Error>
         write_report(page, &asset, order)?;
     }
     on_step("writing");
-    notes.extend(keep(&bytes, order));
+    if from.is_none() || from != order.files.cached {
+        notes.extend(keep(&bytes, order));
+    }
     publish(&lot.asset, &bytes)?;
     if failed_gates.is_empty() {
         // It may have been refused before, and isn't any more.
-        order.files.rejected.all().iter().for_each(|file| _ = std::fs::remove_file(file));
+        order.files.rejected.forget();
     }
     Ok(Made {
         from,

@@ -2,6 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
+/// A size in a process's status (`self` or its number), bytes.
+pub fn of_process(process: &str, name: &str) -> Option<u64> {
+    kib(&std::fs::read_to_string(format!("/proc/{process}/status")).ok()?, name)
+}
+
 /// Three quarters of what is free, bytes, where the system tells (Linux).
 pub fn free_memory() -> Option<u64> {
     let machine = kib(&std::fs::read_to_string("/proc/meminfo").ok()?, "MemAvailable:")?;
@@ -9,6 +14,7 @@ pub fn free_memory() -> Option<u64> {
     Some(group.map_or(machine, |group| group.min(machine)) / 4 * 3)
 }
 
+/// A size in kB on a line that begins with this name, bytes.
 fn kib(text: &str, name: &str) -> Option<u64> {
     let line = text.lines().find_map(|line| line.strip_prefix(name))?;
     Some(line.trim().trim_end_matches(" kB").parse::<u64>().ok()? << 10)

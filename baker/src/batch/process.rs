@@ -1,6 +1,7 @@
 //! A worker as the batch sees it: a process with a pipe each way.
 
 use super::job::{Job, Reply};
+use super::memory::of_process;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::path::Path;
 use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
@@ -66,7 +67,7 @@ impl Worker {
 
     /// Memory that it has in use, bytes, where the system tells.
     pub fn memory(&self) -> Option<u64> {
-        of_status(&format!("/proc/{}/status", self.child.id()), "VmRSS:")
+        of_process(&self.child.id().to_string(), "VmRSS:")
     }
 
     /// Ends it at once, whatever it does.
@@ -83,13 +84,6 @@ impl Worker {
         let how = status.map_or_else(|error| error.to_string(), describe);
         if complaint.is_empty() { how } else { format!("{how}: {complaint}") }
     }
-}
-
-/// A size in a process's status, bytes.
-pub fn of_status(file: &str, name: &str) -> Option<u64> {
-    let text = std::fs::read_to_string(file).ok()?;
-    let line = text.lines().find_map(|line| line.strip_prefix(name))?;
-    Some(line.trim().trim_end_matches(" kB").parse::<u64>().ok()? << 10)
 }
 
 /// No worker outlives its batch.

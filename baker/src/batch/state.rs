@@ -93,7 +93,7 @@ pub fn decide(asset: &PlannedAsset, known: &Known) -> Decision {
 fn action(asset: &PlannedAsset, identity: &Identity, files: &Files, known: &Known) -> Action {
     let record = known.records.get(&asset.name);
     let why = match look(&files.good.asset, identity, record, known.thorough) {
-        Ok(found) => return keep(asset, found, &files.good, known),
+        Ok(found) => return keep(asset, found, &files.good, known.thorough),
         Err(Fault::Foreign) => {
             return Action::Fail(format!(
                 "{} wasn't made by a batch; move it away, or let --rebuild replace it",
@@ -104,7 +104,8 @@ fn action(asset: &PlannedAsset, identity: &Identity, files: &Files, known: &Know
     };
     if let Ok(found) = look(&files.rejected.asset, identity, record, known.thorough) {
         if !gates::failed(&asset.gates, &found.figures, found.bytes).is_empty() {
-            return keep(asset, found, &files.rejected, known);
+            let found = Kept { is_rejected: true, ..found };
+            return keep(asset, found, &files.rejected, known.thorough);
         }
         return Action::Make("its gates let it pass now".into(), vec![files.rejected.asset.clone()]);
     }
@@ -118,10 +119,9 @@ fn action(asset: &PlannedAsset, identity: &Identity, files: &Files, known: &Know
 }
 
 /// What belongs to an asset is made again if it is gone.
-fn keep(asset: &PlannedAsset, mut found: Kept, lot: &Lot, known: &Known) -> Action {
+fn keep(asset: &PlannedAsset, mut found: Kept, lot: &Lot, alone: bool) -> Action {
     found.failed_gates = gates::failed(&asset.gates, &found.figures, found.bytes);
-    found.is_rejected = lot.asset == known.places.files(&asset.name, None, false).rejected.asset;
-    let is_gone = |file: &PathBuf| !known.thorough && !file.exists();
+    let is_gone = |file: &PathBuf| !alone && !file.exists();
     match () {
         () if is_gone(&lot.preview) => Action::Make("its picture is missing".into(), vec![lot.asset.clone()]),
         () if lot.report.as_ref().is_some_and(is_gone) => {

@@ -2,7 +2,7 @@
 
 use super::assets::Expanded;
 use super::engine::in_pool;
-use super::journal::records;
+use super::journal::past;
 use super::places::Places;
 use super::read::read;
 use super::state::{Action, Known, decide};
@@ -39,7 +39,7 @@ pub fn manifest_of(folder: &Path) -> Result<PathBuf, Error> {
 pub fn verify(expanded: &Expanded, out: &Path, threads: usize) -> Vec<Finding> {
     let places = Places { out: out.to_owned(), cache: None };
     // What was written is known to the bit, if a batch noted it.
-    let records = records(out, None);
+    let records = past(out, None).records;
     let known = Known { thorough: true, ..Known::new(&places, &records) };
     in_pool(threads, || {
         let assets = expanded.assets.par_iter();

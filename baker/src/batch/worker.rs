@@ -4,7 +4,7 @@
 use super::cost::cost;
 use super::job::{Job, Reply, Task};
 use super::make::make;
-use super::process::of_status;
+use super::memory::of_process;
 use crate::error::Error;
 use std::io::{self, BufRead, Write};
 use std::sync::mpsc;
@@ -53,7 +53,7 @@ fn answer(job: &Job, on_step: &mut (dyn FnMut(&str) + Send)) -> Reply {
     let done = pool.install(|| match &job.task {
         Task::Estimate(subject) => cost(subject, u64::MAX).map(Reply::Estimated),
         Task::Make(order) => make(order, on_step).map(|made| {
-            let made = super::job::Made { peak_memory: of_status("/proc/self/status", "VmHWM:"), ..made };
+            let made = super::job::Made { peak_memory: of_process("self", "VmHWM:"), ..made };
             Reply::Made(Box::new(made))
         }),
     });

@@ -65,12 +65,11 @@ fn start(arguments: &BatchArguments) -> Result<ExitCode> {
         if stop.load(Ordering::Relaxed) {
             return Ok(ExitCode::from(STOPPED));
         }
-        if arguments.log == Log::Json {
-            say(&format!("{:#}", found.to_json()));
-            let is_good = found.assets.iter().all(|asset| asset.cost.is_ok());
-            return Ok(ExitCode::from(if is_good { 0 } else { SOME_FAILED }));
+        match arguments.log {
+            Log::Json => say(&format!("{:#}", found.to_json())),
+            Log::Text => show_check(&found, arguments.explain),
         }
-        return Ok(show_check(&found, arguments));
+        return Ok(success(found.assets.iter().all(|asset| asset.cost.is_ok())));
     }
     let mut progress = BatchProgress::new(arguments.quiet);
     let mut on_event = |event: Event| {
@@ -151,7 +150,6 @@ fn list(expanded: &Expanded) -> ExitCode {
 }
 
 fn settings(arguments: &BatchArguments) -> Result<Settings> {
-    let processors = || std::thread::available_parallelism().map_or(1, usize::from);
     let threads = arguments.threads.unwrap_or_else(processors);
     let out = arguments.out.clone().context("--out: name the folder of the assets")?;
     // Workers are told in JSON.
@@ -181,6 +179,10 @@ fn settings(arguments: &BatchArguments) -> Result<Settings> {
     })
 }
 
+fn processors() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}
+
 /// Ctrl-C and the signals that end programs stop the batch; what is done stays. A second one ends it at once.
 fn stop_on_signals() -> Result<Arc<AtomicBool>> {
     let stop = Arc::new(AtomicBool::new(false));
@@ -202,11 +204,11 @@ fn close(summary: &Summary, out: &Path, arguments: &BatchArguments) -> ExitCode 
         Log::Text => say(&log::closing(summary, out)),
         Log::Json => say(&log::json_closing(summary)),
     }
-    match summary.is_good() {
-        _ if summary.interrupted => ExitCode::from(STOPPED),
-        true => ExitCode::SUCCESS,
-        false => ExitCode::from(SOME_FAILED),
-    }
+    if summary.interrupted { ExitCode::from(STOPPED) } else { success(summary.is_good()) }
+}
+
+fn success(is_good: bool) -> ExitCode {
+    if is_good { ExitCode::SUCCESS } else { ExitCode::from(SOME_FAILED) }
 }
 
 fn run_merge(folder: &Path, arguments: &BatchArguments) -> Result<ExitCode> {
@@ -216,11 +218,11 @@ fn run_merge(folder: &Path, arguments: &BatchArguments) -> Result<ExitCode> {
     Ok(close(&merged, folder, arguments))
 }
 
-fn show_check(found: &Check, arguments: &BatchArguments) -> ExitCode {
+fn show_check(found: &Check, explain: bool) {
     for asset in &found.assets {
         match (&asset.cost, &asset.reason) {
             (Err(error), _) => say(&format!("can't be made  {}: {error}", asset.name)),
-            (Ok(_), None) if !arguments.explain => {}
+            (Ok(_), None) if !explain => {}
             (Ok(_), None) => say(&format!("stays          {}", asset.name)),
             (Ok(cost), Some(reason)) => say(&format!(
                 "is made        {}: {reason}; {:.1} s, {} of memory, a file of {}",
@@ -243,7 +245,6 @@ fn show_check(found: &Check, arguments: &BatchArguments) -> ExitCode {
         bytes(found.memory),
         bytes(found.files)
     ));
-    ExitCode::from(if good == found.assets.len() { 0 } else { SOME_FAILED })
 }
 
 /// A worker of a batch.
@@ -273,7 +274,6 @@ fn verify_folder(arguments: &VerifyArguments) -> Result<ExitCode> {
         );
     }
     expanded.unreadable.iter().for_each(|note| eprintln!("error: {note}"));
-    let processors = || std::thread::available_parallelism().map_or(1, usize::from);
     let threads = arguments.threads.unwrap_or_else(processors);
     let findings = verify::verify(&expanded, &arguments.folder, threads);
     let bad = findings.iter().filter(|finding| !finding.problems.is_empty()).count();
@@ -287,6 +287,5 @@ fn verify_folder(arguments: &VerifyArguments) -> Result<ExitCode> {
             say(&format!("{} of {} assets are good", findings.len() - bad, findings.len()));
         }
     }
-    let is_good = bad == 0 && expanded.unreadable.is_empty();
-    Ok(if is_good { ExitCode::SUCCESS } else { ExitCode::from(SOME_FAILED) })
+    Ok(success(bad == 0 && expanded.unreadable.is_empty()))
 }
