@@ -19,7 +19,7 @@ pub mod volume_map;
 
 use crate::bodies::{Bodies, FluidContact};
 use crate::error::Error;
-use crate::neighbours::CHUNK;
+use crate::neighbours::Neighbours;
 use crate::settings::{BoundaryMethod, FluidSettings, World};
 use crate::viscosity::drag::Drag;
 use particles::BodyParticles;
@@ -75,7 +75,7 @@ pub struct Boundary {
     pub of_particle: Vec<Wall>,
     kernel: Kernel,
     method: Method,
-    chunks: Vec<ChunkContacts>,
+    blocks: Vec<BlockContacts>,
 }
 
 /// How bodies are seen, with what it needs.
@@ -88,9 +88,9 @@ enum Method {
     TubeMap(Kernel),
 }
 
-/// Contacts of a chunk of particles, body after body.
+/// Contacts of a block of particles, body after body.
 #[derive(Clone, Debug, Default)]
-struct ChunkContacts {
+struct BlockContacts {
     contacts: Vec<Contact>,
     inside: Vec<Inside>,
     drags: Vec<Drag>,
@@ -106,12 +106,12 @@ struct Scratch {
     values: Vec<Values>,
 }
 
-/// A chunk of particles, and the body that they may touch.
+/// A block of particles, and the body that they may touch.
 #[derive(Clone, Copy)]
 struct Pairing<'a> {
     bodies: &'a Bodies,
     body: usize,
-    /// First particle of the chunk.
+    /// First particle of the block.
     first: usize,
     positions: &'a [DVec3],
 }
@@ -134,23 +134,23 @@ impl Boundary {
             }
             BoundaryMethod::TubeMap => Method::TubeMap(kernel),
         };
-        Ok(Boundary { of_particle: Vec::new(), kernel, method, chunks: Vec::new() })
+        Ok(Boundary { of_particle: Vec::new(), kernel, method, blocks: Vec::new() })
     }
 
-    /// Finds the contacts of all particles (positions in metres) with all bodies.
-    pub fn sample(&mut self, bodies: &Bodies, positions: &[DVec3]) {
+    /// Finds the contacts of all particles (positions in metres) with all bodies, block by block.
+    pub fn sample(&mut self, bodies: &Bodies, positions: &[DVec3], neighbours: &Neighbours) {
         self.of_particle.clear();
         self.of_particle.resize(positions.len(), Wall::default());
-        self.chunks.resize_with(positions.len().div_ceil(CHUNK), ChunkContacts::default);
-        let (method, kernel, chunks) = (&self.method, &self.kernel, self.chunks.par_iter_mut());
-        let chunks = chunks.zip(self.of_particle.par_chunks_mut(CHUNK));
-        chunks.zip(positions.par_chunks(CHUNK)).enumerate().for_each(|(chunk, ((out, walls), positions))| {
-            let first = chunk * CHUNK;
+        self.blocks.resize_with(neighbours.lists().len(), BlockContacts::default);
+        let (method, kernel) = (&self.method, &self.kernel);
+        let blocks = neighbours.with(&mut self.of_particle).zip(&mut self.blocks);
+        blocks.for_each(|((lists, walls), out)| {
+            let first = lists.first;
             out.contacts.clear();
             out.inside.clear();
             out.drags.clear();
             for body in 0..bodies.posed().len() {
-                let pairing = Pairing { bodies, body, first, positions };
+                let pairing = Pairing { bodies, body, first, positions: &positions[lists.particles()] };
                 out.touch(method, pairing);
                 out.drag(method, pairing, kernel);
             }
@@ -160,24 +160,29 @@ impl Boundary {
         });
     }
 
-    /// All contacts, in the order of the particles' chunks.
+    /// The contacts of particles (positions in metres) that are nobody's neighbours.
+    pub fn sample_alone(&mut self, bodies: &Bodies, positions: &[DVec3]) {
+        self.sample(bodies, positions, &Neighbours::none(positions.len()));
+    }
+
+    /// All contacts, in the order of the particles' blocks.
     pub fn contacts(&self) -> impl Iterator<Item = &Contact> {
-        self.chunks.iter().flat_map(|chunk| &chunk.contacts)
+        self.blocks.iter().flat_map(|block| &block.contacts)
     }
 
-    /// Drag of all bodies whose surfaces have one, in the order of the particles' chunks.
+    /// Drag of all bodies whose surfaces have one, in the order of the particles' blocks.
     pub fn drags(&self) -> impl Iterator<Item = &Drag> {
-        self.chunks.iter().flat_map(|chunk| &chunk.drags)
+        self.blocks.iter().flat_map(|block| &block.drags)
     }
 
-    /// The same of the particles of one chunk.
-    pub fn drags_of_chunk(&self, chunk: usize) -> &[Drag] {
-        &self.chunks[chunk].drags
+    /// The same of the particles of one block.
+    pub fn drags_of_block(&self, block: usize) -> &[Drag] {
+        &self.blocks[block].drags
     }
 
-    /// The contacts of a chunk of particles.
-    pub fn contacts_of_chunk(&self, chunk: usize) -> &[Contact] {
-        self.chunks.get(chunk).map_or(&[], |chunk| &chunk.contacts)
+    /// The contacts of a block of particles.
+    pub fn contacts_of_block(&self, block: usize) -> &[Contact] {
+        self.blocks.get(block).map_or(&[], |block| &block.contacts)
     }
 
     /// Largest speed of a body at a contact, m/s.
@@ -187,7 +192,7 @@ impl Boundary {
 
     /// The particles whose centres are in a body.
     pub fn inside(&self) -> impl Iterator<Item = &Inside> {
-        self.chunks.iter().flat_map(|chunk| &chunk.inside)
+        self.blocks.iter().flat_map(|block| &block.inside)
     }
 
     /// Boundary particles of all bodies; none where there are maps.
@@ -200,7 +205,7 @@ impl Boundary {
 
     /// Bytes held by contacts and boundary particles.
     pub fn memory_bytes(&self) -> usize {
-        let contacts: usize = self.chunks.iter().map(|chunk| chunk.contacts.capacity()).sum();
+        let contacts: usize = self.blocks.iter().map(|block| block.contacts.capacity()).sum();
         let particles = self.particle_count() * (size_of::<DVec3>() + size_of::<f64>());
         contacts * size_of::<Contact>() + self.of_particle.capacity() * size_of::<Wall>() + particles
     }
@@ -216,9 +221,9 @@ fn closure(world: &World, fluid: &FluidSettings, kernel: Kernel) -> Closure {
     Closure::new(world.closure, kernel, radius)
 }
 
-impl ChunkContacts {
+impl BlockContacts {
     fn touch(&mut self, method: &Method, pairing: Pairing) {
-        let ChunkContacts { contacts, inside, scratch, .. } = self;
+        let BlockContacts { contacts, inside, scratch, .. } = self;
         pairing.map().sample_with_gradient_batch(pairing.positions, &mut scratch.samples);
         inside.extend(scratch.samples.iter().enumerate().filter_map(|(i, (at, _))| pairing.inside(i, at)));
         match method {
@@ -255,7 +260,7 @@ impl Pairing<'_> {
         &self.bodies.posed()[self.body]
     }
 
-    /// Whether the chunk's particle number `within` is in the body.
+    /// Whether the block's particle number `within` is in the body.
     fn inside(&self, within: usize, sample: &Sample) -> Option<Inside> {
         let way_out = match sample {
             Sample::DeepInside => None,
@@ -265,7 +270,7 @@ impl Pairing<'_> {
         Some(Inside { particle: (self.first + within) as u32, body: self.body as u32, way_out })
     }
 
-    /// A contact of the chunk's particle number `within`.
+    /// A contact of the block's particle number `within`.
     fn contact(&self, within: usize, density: f64, gradient: DVec3, point: DVec3) -> Contact {
         Contact {
             particle: (self.first + within) as u32,

@@ -9,7 +9,7 @@ use volmap_runtime::DVec3;
 
 /// Cells along an edge of a tile.
 const TILE: i32 = 8;
-const CELLS_OF_TILE: usize = (TILE * TILE * TILE) as usize;
+pub(crate) const CELLS_OF_TILE: usize = (TILE * TILE * TILE) as usize;
 /// Cells at most for each particle, and at most and at least of all: 4 bytes and a visit in every step each. Where a wide
 /// domain would need more, they become larger.
 const CELLS_PER_PARTICLE: usize = 64;
@@ -91,6 +91,33 @@ impl Cells {
         self.starts[number] as usize..self.starts[number + 1] as usize
     }
 
+    /// How many tiles there are.
+    pub(crate) fn tiles(&self) -> usize {
+        self.tiles.element_product() as usize
+    }
+
+    /// The particles of cells that follow each other.
+    #[inline]
+    pub(crate) fn particles_of(&self, numbers: std::ops::Range<usize>) -> std::ops::Range<usize> {
+        self.starts[numbers.start] as usize..self.starts[numbers.end] as usize
+    }
+
+    /// The cell of a number.
+    #[inline]
+    pub(crate) fn cell_of(&self, number: usize) -> IVec3 {
+        let (tile, within) = ((number / CELLS_OF_TILE) as i32, number % CELLS_OF_TILE);
+        let bits = |shift: usize| {
+            let bit = |n: usize| (within >> (3 * n + shift) & 1) << n;
+            (bit(0) | bit(1) | bit(2)) as i32
+        };
+        let tile = IVec3::new(
+            tile % self.tiles.x,
+            tile / self.tiles.x % self.tiles.y,
+            tile / (self.tiles.x * self.tiles.y),
+        );
+        TILE * tile + IVec3::new(bits(0), bits(1), bits(2))
+    }
+
     #[inline]
     fn number(&self, cell: IVec3) -> usize {
         let tile: IVec3 = cell >> 3;
@@ -124,7 +151,9 @@ mod tests {
         let in_order = |n: usize| (numbers[n - 1], order[n - 1]) < (numbers[n], order[n]);
         assert!((1..order.len()).all(in_order), "sorted by cells, then as before");
         for (place, &i) in order.iter().enumerate() {
-            assert!(cells.particles(cells.cell(positions[i as usize])).contains(&place));
+            let cell = cells.cell(positions[i as usize]);
+            assert!(cells.particles(cell).contains(&place));
+            assert_eq!(cells.cell_of(cells.number(cell)), cell);
         }
         assert_eq!(*cells.starts.last().unwrap() as usize, positions.len());
         cells

@@ -24,7 +24,7 @@ pub fn push(bodies: &mut Bodies, forces: &[[DVec3; 2]]) {
 pub fn forces(bodies: &Bodies, fields: &Fields, solve: &Solve, mass: f64) -> Motions {
     let free = (0..bodies.posed().len()).any(|body| bodies.is_free(body));
     let contacts = solve.boundary.contacts().filter(|_| free);
-    let pressures = fields.pressures();
+    let pressures = fields.all_pressures();
     sum(bodies, contacts, |contact| solve.wall.factor(pressures, contact), mass)
 }
 

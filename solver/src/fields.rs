@@ -1,9 +1,8 @@
 //! What a step computes of the particles. Made anew in every step; only [`crate::particles::Particles`] lasts.
 
 use crate::boundary::Boundary;
-use crate::neighbours::{CHUNK, Neighbours};
+use crate::pairs::Density;
 use crate::pairs::lanes::Quad;
-use crate::pairs::{Density, Pairs};
 use crate::particles::Particles;
 use rayon::prelude::*;
 use volmap_runtime::{DVec3, Dimension, KernelKind};
@@ -21,24 +20,26 @@ pub struct Discretization {
     pub dimension: Dimension,
 }
 
-impl Discretization {
-    /// The sums over neighbours at these places.
-    pub fn pairs(self, places: &[Quad]) -> Pairs<'_> {
-        Pairs { with: self, places }
-    }
-}
+/// Particles that are worked on together where only their own values count.
+pub(crate) const CHUNK: usize = 1024;
 
-/// One value for each particle, in their order. Quads have one more, far away and at rest, of pressure zero.
+/// One value for each particle, in their order. The fourth number of a quad is 0.
 #[derive(Clone, Debug, Default)]
 pub struct Fields {
-    /// Places in support radii from the first particle, and P = p / (rho_0 D^2), m^2/s^2.
+    /// Places in support radii from the first particle.
     pub places: Vec<Quad>,
+    /// What the fluid neighbours amount to.
+    pub neighbourhoods: Vec<Density>,
+    /// P = p / (rho_0 D^2), m^2/s^2.
+    pub pressures: Vec<f32>,
     /// Where a Jacobi step writes.
-    pub(crate) next_places: Vec<Quad>,
+    pub(crate) next_pressures: Vec<f32>,
     /// Velocities, m/s.
     pub velocities: Vec<Quad>,
     /// Accelerations, m/s^2.
     pub accelerations: Vec<Quad>,
+    /// grad D, V times the sum of grad W and the boundary's part, 1/m.
+    pub gradients: Vec<Quad>,
     /// Relative densities D = rho / rho_0, the boundary's part included.
     pub densities: Vec<f32>,
     /// alpha of Band et al. 2018, Algorithm 1, of the other sign: by how much P lowers what compresses its own
@@ -56,9 +57,6 @@ pub struct Fields {
     pub(crate) site_pressures: Vec<f32>,
 }
 
-/// Farther than any particle, in support radii; its square is still a number.
-const FAR: f32 = 1e15;
-
 impl Fields {
     /// Takes places and velocities from the particles.
     pub fn place(&mut self, particles: &Particles, support_radius: f64) {
@@ -68,18 +66,16 @@ impl Fields {
             let [x, y, z] = ((x - origin) * per).as_vec3().to_array();
             [x, y, z, 0.0]
         };
-        particles.positions.par_iter().map(place).collect_into_vec(&mut self.places);
-        self.places.push([FAR, FAR, FAR, 0.0]);
+        particles.positions.par_iter().with_min_len(CHUNK).map(place).collect_into_vec(&mut self.places);
         let velocity = |&[x, y, z]: &[f32; 3]| [x, y, z, 0.0];
-        particles.velocities.par_iter().map(velocity).collect_into_vec(&mut self.velocities);
-        self.velocities.push([0.0; 4]);
-        self.accelerations.resize(self.places.len(), [0.0; 4]);
-        self.accelerations[particles.len()] = [0.0; 4];
+        let velocities = particles.velocities.par_iter().with_min_len(CHUNK);
+        velocities.map(velocity).collect_into_vec(&mut self.velocities);
+        self.accelerations.resize(self.len(), [0.0; 4]);
     }
 
     /// How many particles there are.
     pub fn len(&self) -> usize {
-        self.places.len().saturating_sub(1)
+        self.places.len()
     }
 
     /// Whether there are none.
@@ -89,42 +85,28 @@ impl Fields {
 
     /// Bytes held.
     pub fn memory_bytes(&self) -> usize {
-        self.places.capacity() * (4 * size_of::<Quad>() + 4 * size_of::<f32>())
+        self.places.capacity() * (4 * size_of::<Quad>() + size_of::<Density>() + 6 * size_of::<f32>())
     }
 
     /// Density and factor of all particles: Band et al. 2018, Algorithm 1, lines 4 and 5.
-    pub fn compute_density(
-        &mut self,
-        with: Discretization,
-        neighbours: &mut Neighbours,
-        boundary: &Boundary,
-    ) {
+    pub fn compute_density(&mut self, boundary: &Boundary) {
         self.densities.resize(self.len(), 0.0);
         self.factors.resize(self.len(), 0.0);
-        let pairs = with.pairs(&self.places);
-        let chunks = self.densities.par_chunks_mut(CHUNK).zip(self.factors.par_chunks_mut(CHUNK));
-        chunks.zip(neighbours.chunks_mut()).for_each(|((densities, factors), lists)| {
-            let mut sums = [Density::default(); CHUNK];
-            let sums = &mut sums[..densities.len()];
-            pairs.density(lists, sums);
-            for (within, sum) in sums.iter().enumerate() {
-                let wall = boundary.of_particle[lists.first + within];
-                let [x, y, z]: [f32; 3] =
-                    std::array::from_fn(|axis| sum.gradient[axis] + wall.gradient[axis]);
-                densities[within] = sum.density + wall.density;
-                factors[within] = x * x + y * y + z * z + sum.squares;
-            }
+        self.gradients.resize(self.len(), [0.0; 4]);
+        let out = self.densities.par_iter_mut().zip(&mut self.factors).zip(&mut self.gradients);
+        let of = self.neighbourhoods.par_iter().zip(&boundary.of_particle);
+        out.zip(of).with_min_len(CHUNK).for_each(|(((density, factor), gradient), (fluid, wall))| {
+            let [x, y, z]: [f32; 3] = std::array::from_fn(|axis| fluid.gradient[axis] + wall.gradient[axis]);
+            *density = fluid.density + wall.density;
+            *factor = x * x + y * y + z * z + fluid.squares;
+            *gradient = [x, y, z, 0.0];
         });
     }
 
     /// Begins with a part of the pressures of the last step.
     pub fn set_pressures(&mut self, pressures: &[f32], part: f32) {
-        self.places.par_iter_mut().zip(pressures).for_each(|(place, pressure)| place[3] = part * pressure);
-    }
-
-    /// Keeps the pressures for the next step.
-    pub fn keep_pressures(&self, pressures: &mut [f32]) {
-        pressures.par_iter_mut().zip(&self.places).for_each(|(pressure, place)| *pressure = place[3]);
+        self.pressures.clear();
+        self.pressures.extend(pressures.iter().map(|pressure| part * pressure));
     }
 
     /// v <- v + dt a.

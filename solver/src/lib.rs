@@ -1,12 +1,13 @@
 //! Incompressible fluids by DFSPH, with volume maps as static and rigid boundaries.
 //!
 //! ```text
-//! scene -> particles, bodies -> (cells -> neighbours -> boundary -> pressure -> rigid bodies) per step -> output
+//! scene -> particles, bodies -> (cells -> blocks -> neighbours -> boundary -> pressure -> rigid bodies) per step -> output
 //! ```
 //! Bender and Koschier 2017, *Divergence-Free SPH for Incompressible and Viscous Fluids*, in the pressure form of
 //! Band et al. 2018 (Algorithm 1); boundaries by Bender et al. 2020, *Implicit Frictional Boundary Handling for SPH*.
 
 pub mod assemble;
+pub mod blocks;
 pub mod bodies;
 pub mod boundary;
 pub mod cells;

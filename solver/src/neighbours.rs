@@ -1,188 +1,277 @@
-//! Which particles are nearer than the support radius: lists in groups of eight, made once a step.
+//! Which particles are nearer than the support radius, and what they are to each other: the [pairs](crate::pairs) of all
+//! blocks, made once a step.
 //!
-//! A cell's particles share the candidates of its 27 cells, which are laid side by side first.
+//! A block's [search](search) finds who is near whom; its [rows] are written from that, and with them the sums that go by
+//! the places alone: density and factor.
 
+mod rows;
+mod search;
+
+use crate::blocks::{self, Block, TooDense};
 use crate::cells::Cells;
-use crate::pairs::lanes::{Group, LANES, Lanes, Quad, Work, dispatch};
-use glam::IVec3;
+use crate::fields::Discretization;
+use crate::pairs::kernels::{CubicSpline, KernelLanes, Poly6, Spiky, WendlandC2};
+use crate::pairs::lanes::{Lanes, Quad, Work, dispatch};
+use crate::pairs::{Density, Row, SLICE, Table, Units};
 use rayon::prelude::*;
+use rows::Writer;
+use search::Search;
+use std::cell::RefCell;
 use std::ops::Range;
-use volmap_runtime::DVec3;
+use volmap_runtime::KernelKind;
 
-/// Particles that are worked on together; the unit of parallel work.
-pub const CHUNK: usize = 256;
-
-/// The neighbours of all particles, chunk by chunk.
+/// The neighbours of all particles, block by block.
 #[derive(Clone, Debug, Default)]
 pub struct Neighbours {
-    chunks: Vec<Lists>,
+    blocks: Vec<Block>,
+    lists: Vec<Lists>,
 }
 
-/// The neighbours of the particles of a chunk.
-#[derive(Clone, Debug, Default)]
+/// The pairs of the particles of a block.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Lists {
-    /// First particle of the chunk.
+    /// First particle of the block.
     pub first: usize,
-    /// First group of each particle, and the number of groups.
-    starts: Vec<u32>,
-    /// Neighbours, the particle itself among them, which adds to densities only; the last group is filled up with the one behind the last particle,
-    /// which in all tables is far from all.
-    groups: Vec<Group>,
-    /// The slope of the kernel at each of them: written with the density, read by all other sums.
-    slopes: Vec<[f32; LANES]>,
-    candidates: Candidates,
+    count: usize,
+    /// The particles that a table has: those of the block, then those around it.
+    table: Vec<Range<u32>>,
+    /// The particles of each slice by their numbers in the block, which are as many as it has particles where there is none,
+    /// and where its rows end.
+    slices: Vec<([u16; SLICE], u32)>,
+    rows: Vec<Row>,
+    units: Units,
+    pairs: usize,
+    /// As the rows, bends; none where there is no viscosity.
+    bends: Option<Vec<Row>>,
 }
 
-/// The particles of 27 cells: places in support radii, and four times their indices, as in a [`Group`].
-#[derive(Clone, Debug, Default)]
-struct Candidates {
-    places: Vec<[[f32; LANES]; 3]>,
-    indices: Vec<u32>,
-    /// Those that are near one particle, and room for the last eight.
-    near: Vec<u32>,
+/// Particles of a block without neighbours.
+const ALONE: usize = 256;
+
+/// What a thread works with.
+#[derive(Default)]
+pub struct Workspace {
+    /// What is summed.
+    pub table: Table,
+    /// Sums of a block, with room for one particle that isn't there.
+    pub sums: Vec<Quad>,
+    /// The same, where there are two.
+    pub more_sums: Vec<Quad>,
+    search: Search,
+    writer: Writer,
+}
+
+thread_local! {
+    static WORKSPACE: RefCell<Workspace> = RefCell::default();
+}
+
+/// Does what can be done with a block's pairs, in this thread's room.
+#[inline]
+pub fn work<T>(lists: &Lists, f: impl FnOnce(&mut Workspace) -> T) -> T {
+    WORKSPACE.with_borrow_mut(|workspace| {
+        workspace.sums.resize(workspace.sums.len().max(lists.count + 1), [0.0; 4]);
+        workspace.more_sums.resize(workspace.sums.len(), [0.0; 4]);
+        f(workspace)
+    })
+}
+
+/// What is looked for: with which kernel, and whether bends are needed.
+#[derive(Clone, Copy, Debug)]
+pub struct Sought {
+    /// Kernel, support radius and volume.
+    pub with: Discretization,
+    /// Whether [bends](Lists::bends) are needed.
+    pub bends: bool,
 }
 
 impl Neighbours {
-    /// Finds all neighbours. `positions` are sorted by `cells`; `places` are the same in support radii from some
-    /// origin, with one more, far away from all, at the end.
-    pub fn find(&mut self, cells: &Cells, positions: &[DVec3], places: &[Quad]) {
-        self.chunks.resize_with(positions.len().div_ceil(CHUNK), Lists::default);
-        self.chunks.par_iter_mut().enumerate().for_each(|(chunk, lists)| {
-            let first = chunk * CHUNK;
-            let particles = first..positions.len().min(first + CHUNK);
-            dispatch(Search { cells, positions, places, particles, lists });
+    /// Finds all neighbours of particles that are sorted by `cells`; `places` are theirs in support radii. What the neighbours
+    /// amount to comes into `densities`.
+    ///
+    /// # Errors
+    /// [`TooDense`]
+    pub fn find(
+        &mut self,
+        cells: &Cells,
+        places: &[Quad],
+        sought: Sought,
+        densities: &mut Vec<Density>,
+    ) -> Result<(), TooDense> {
+        self.blocks = blocks::divide(cells, places.len())?;
+        self.lists.resize_with(self.blocks.len(), Lists::default);
+        densities.resize(places.len(), Density::default());
+        let counts = self.blocks.iter().map(|block| block.particles.len());
+        let out = blocks::split(counts, densities);
+        let all = self.lists.par_iter_mut().zip(&self.blocks).zip(out);
+        all.for_each(|((lists, block), out)| {
+            WORKSPACE.with_borrow_mut(|workspace| {
+                dispatch(Build { cells, block, places, sought, workspace, lists, out });
+            });
         });
+        Ok(())
     }
 
-    /// The lists of every chunk, to write slopes into.
-    pub(crate) fn chunks_mut(&mut self) -> &mut [Lists] {
-        &mut self.chunks
+    /// Particles that aren't anyone's neighbours, in blocks.
+    pub fn none(count: usize) -> Neighbours {
+        let block = |first: usize| Lists { first, count: ALONE.min(count - first), ..Lists::default() };
+        Neighbours { blocks: Vec::new(), lists: (0..count).step_by(ALONE).map(block).collect() }
     }
 
-    /// The lists of every chunk, in order.
-    pub fn chunks(&self) -> &[Lists] {
-        &self.chunks
+    /// The lists of every block, in order.
+    pub fn lists(&self) -> &[Lists] {
+        &self.lists
     }
 
-    /// Pairs, each counted from both sides; the particles themselves and the filling are counted, too.
+    /// The values of each block's particles.
+    pub fn split<'a, T>(&self, values: &'a mut [T]) -> Vec<&'a mut [T]> {
+        blocks::split(self.lists.iter().map(Lists::len), values)
+    }
+
+    /// Every block, for work on the values of its particles.
+    pub fn with<'a, T: Send>(
+        &'a self,
+        values: &'a mut [T],
+    ) -> impl IndexedParallelIterator<Item = (&'a Lists, &'a mut [T])> {
+        self.lists.par_iter().zip(self.split(values))
+    }
+
+    /// Pairs, each counted from both sides.
     pub fn entries(&self) -> usize {
-        self.chunks.iter().map(|lists| lists.groups.len() * LANES).sum()
+        self.lists.iter().map(|lists| lists.pairs).sum()
     }
 
     /// Bytes held.
     pub fn memory_bytes(&self) -> usize {
-        let of = |lists: &Lists| {
-            4 * lists.starts.capacity()
-                + 4 * LANES * (lists.groups.capacity() + lists.slopes.capacity())
-                + lists.candidates.memory_bytes()
-        };
-        self.chunks.iter().map(of).sum()
+        self.lists.iter().map(Lists::memory_bytes).sum()
     }
 }
 
 impl Lists {
-    /// Particles of the chunk.
+    /// Particles of the block.
     pub fn len(&self) -> usize {
-        self.starts.len().saturating_sub(1)
+        self.count
     }
 
-    /// Whether the chunk has none.
+    /// Whether the block has none.
     pub fn is_empty(&self) -> bool {
-        self.len() == 0
+        self.count == 0
     }
 
-    /// The groups of neighbours of the chunk's particle number `within`, and the kernel's slopes there.
-    #[inline(always)]
-    pub(crate) fn pairs(&self, within: usize) -> impl Iterator<Item = (&Group, &[f32; LANES])> {
-        let groups = self.starts[within] as usize..self.starts[within + 1] as usize;
-        self.groups[groups.clone()].iter().zip(&self.slopes[groups])
+    /// The particles of the block.
+    pub fn particles(&self) -> Range<usize> {
+        self.first..self.first + self.count
     }
 
-    /// The same, to write the slopes.
-    #[inline(always)]
-    pub(crate) fn pairs_mut(&mut self, within: usize) -> impl Iterator<Item = (&Group, &mut [f32; LANES])> {
-        let groups = self.starts[within] as usize..self.starts[within + 1] as usize;
-        self.groups[groups.clone()].iter().zip(&mut self.slopes[groups])
-    }
-}
-
-impl Candidates {
-    /// Gathers the particles of the cells around one.
-    #[inline(always)]
-    fn gather<V: Lanes>(&mut self, cells: &Cells, cell: IVec3, places: &[Quad]) {
-        self.indices.clear();
-        for z in -1..=1 {
-            for y in -1..=1 {
-                for x in -1..=1 {
-                    self.indices
-                        .extend(cells.particles(cell + IVec3::new(x, y, z)).map(|index| 4 * index as u32));
-                }
-            }
-        }
-        let filling = 4 * (places.len() as u32 - 1);
-        self.indices.resize(self.indices.len().next_multiple_of(LANES), filling);
-        self.places.clear();
-        for group in self.indices.as_chunks().0 {
-            let [[x, y, z, _]] = V::gather([places], group);
-            self.places.push([x.array(), y.array(), z.array()]);
-        }
-        self.near.resize(self.indices.len() + LANES, 0);
+    /// What a table has: ranges of particles.
+    pub fn table(&self) -> &[Range<u32>] {
+        &self.table
     }
 
-    /// Puts those nearer than 1 first into `near`; how many they are.
+    /// What the numbers of a pair become V grad W by, 1/m.
+    pub fn unit(&self) -> f32 {
+        self.units.of_pair
+    }
+
+    /// What viscosity asks of pairs, if it was asked for: rows of bends and W, instead of gradients and places. With the bend
+    /// h = x_ij (k |W'| / |x| / (x^2 + 0.01 r^2))^1/2 the Laplacian by Eq. 16 of Bender et al. 2020 (Monaghan 2005) of a field u is
+    /// the sum of h (h . (u_j - u_i)).
+    pub fn bends(&self) -> Option<&[Row]> {
+        self.bends.as_deref()
+    }
+
+    /// What products of two bends become a Laplacian by, 1/m^2.
+    pub fn unit_of_bends(&self) -> f32 {
+        self.units.of_bend
+    }
+
+    /// What W of a bend becomes V W by.
+    pub fn unit_of_means(&self) -> f32 {
+        self.units.of_value
+    }
+
+    /// The particles of each slice by their numbers in the block, and its rows.
     #[inline(always)]
-    fn find<V: Lanes>(&mut self, at: Quad) -> usize {
-        let Candidates { places, indices, near } = self;
-        let (x, y, z, one) = (V::splat(at[0]), V::splat(at[1]), V::splat(at[2]), V::splat(1.0));
-        let mut count = 0;
-        for ([xs, ys, zs], indices) in places.iter().zip(indices.as_chunks::<LANES>().0) {
-            let (dx, dy, dz) = (V::load(xs) - x, V::load(ys) - y, V::load(zs) - z);
-            let hits = ((dx * dx + dy * dy) + dz * dz).below(one);
-            if let Some(out) = near[count..].first_chunk_mut() {
-                *out = V::compress(indices, hits);
-            }
-            count += hits.count_ones() as usize;
-        }
-        count
+    pub(crate) fn slices(&self) -> impl Iterator<Item = (&[u16; SLICE], Range<usize>)> {
+        let mut begin = 0;
+        self.slices.iter().map(move |(particles, end)| {
+            (particles, std::mem::replace(&mut begin, *end as usize)..*end as usize)
+        })
+    }
+
+    #[inline(always)]
+    pub(crate) fn rows(&self) -> &[Row] {
+        &self.rows
     }
 
     fn memory_bytes(&self) -> usize {
-        4 * (self.indices.capacity() + self.near.capacity() + 3 * LANES * self.places.capacity())
+        let bends = self.bends.as_ref().map_or(0, Vec::capacity);
+        size_of::<Row>() * (self.rows.capacity() + bends)
+            + size_of::<([u16; SLICE], u32)>() * self.slices.capacity()
+            + size_of::<Range<u32>>() * self.table.capacity()
     }
 }
 
-/// The search of one chunk.
-struct Search<'a> {
+/// The search and the rows of one block.
+struct Build<'a> {
     cells: &'a Cells,
-    positions: &'a [DVec3],
+    block: &'a Block,
     places: &'a [Quad],
-    particles: Range<usize>,
+    sought: Sought,
+    workspace: &'a mut Workspace,
     lists: &'a mut Lists,
+    out: &'a mut [Density],
 }
 
-impl Work for Search<'_> {
+impl Work for Build<'_> {
     #[inline(always)]
     fn run<V: Lanes>(self) {
-        let Lists { first, starts, groups, slopes, candidates } = self.lists;
-        *first = self.particles.start;
-        starts.clear();
-        groups.clear();
-        let filling = 4 * (self.places.len() as u32 - 1);
-        let mut cell = IVec3::MIN;
-        for particle in self.particles {
-            let here = self.cells.cell(self.positions[particle]);
-            if here != cell {
-                cell = here;
-                candidates.gather::<V>(self.cells, cell, self.places);
-            }
-            starts.push(groups.len() as u32);
-            let count = candidates.find::<V>(self.places[particle]);
-            let near = &mut candidates.near[..count.next_multiple_of(LANES)];
-            near[count..].fill(filling);
-            groups.extend(near.as_chunks().0);
+        match self.sought.with.kernel {
+            KernelKind::CubicSpline => self.build::<V, CubicSpline>(),
+            KernelKind::WendlandC2 => self.build::<V, WendlandC2>(),
+            KernelKind::Spiky => self.build::<V, Spiky>(),
+            KernelKind::Poly6 => self.build::<V, Poly6>(),
         }
-        starts.push(groups.len() as u32);
-        slopes.resize(groups.len(), [0.0; LANES]);
+    }
+}
+
+impl Build<'_> {
+    #[inline(always)]
+    fn build<V: Lanes, K: KernelLanes>(self) {
+        let Build { cells, block, places, sought, workspace, lists, out } = self;
+        let Workspace { table, search, writer, .. } = workspace;
+        lists.begin(block, Units::new::<K>(sought.with), sought.bends);
+        let far = search.begin(cells, block, places, lists, table);
+        writer.begin();
+        for number in block.cells.clone() {
+            let particles = cells.particles_of(number..number + 1);
+            if particles.is_empty() {
+                continue;
+            }
+            search.enter(cells.cell_of(number), particles.len());
+            for _ in particles {
+                search.find::<V>(writer.next_list());
+                if writer.is_full() {
+                    writer.write::<V, K>(table, far, lists, out);
+                }
+            }
+        }
+        writer.write::<V, K>(table, far, lists, out);
+    }
+}
+
+impl Lists {
+    fn begin(&mut self, block: &Block, units: Units, bends: bool) {
+        self.first = block.particles.start;
+        self.count = block.particles.len();
+        self.units = units;
+        self.pairs = 0;
+        self.table.clear();
+        self.slices.clear();
+        self.rows.clear();
+        match bends {
+            true => self.bends.get_or_insert_default().clear(),
+            false => self.bends = None,
+        }
     }
 }
 

@@ -1,166 +1,109 @@
-//! Sums over neighbours, eight pairs at a time: density, flux of a vector field, acceleration by pressure, viscosity and
-//! the Laplacian.
+//! Pairs of neighbours, and the sums over them: all that the solver asks of who is near whom.
 //!
-//! Places are in support radii from an origin near the fluid, so that single precision is enough; the sums come out
-//! in metres. Particles have one volume V. D is the relative density, rho / rho_0.
+//! A pair is what one particle is to another, V grad W_ij in fixed point, and where the other's values stand in a [`Table`].
+//! Eight bytes: a sum reads them one after the other, and of the other particle one quad.
+//!
+//! ```text
+//! bytes  0 1   2 3   4 5   6 7
+//!        grad W_ij         place        Pair: i16 three times, u16
+//!        x     y     z
+//! ```
+//!
+//! Pairs stand in rows of eight, one for each of eight particles, a slice; the particles of a slice have about as many
+//! neighbours (Kreutzer et al. 2014, *A Unified Sparse Matrix Data Format*, SELL-C-sigma with C = 8). Where one has fewer, pairs
+//! of no gradient fill its place.
+//!
+//! ```text
+//! row 0:  pair of particle a, of b, .. of h      64 bytes
+//! row 1:  second pair of a, ..
+//! ```
+//!
+//! Fixed point: the largest gradient that a kernel has is some 32,000, so that a pair is exact to 2e-5 of it; grad W_ij is exactly
+//! -grad W_ji, and sums of them are exact. The factor is V, the kernel's largest slope and the radius: [`Units`].
 
-mod acceleration;
 #[cfg(target_arch = "x86_64")]
 mod avx2;
-mod density;
-mod flux;
-mod kernels;
+pub(crate) mod kernels;
 pub(crate) mod lanes;
-mod laplacian;
-mod viscosity;
+pub(crate) mod sums;
+pub(crate) mod table;
 
 use crate::fields::Discretization;
-use crate::neighbours::{CHUNK, Lists};
-use kernels::{CubicSpline, KernelLanes, Poly6, Spiky, WendlandC2};
-use lanes::{Group, Lanes, Quad, Work, dispatch};
-use volmap_runtime::KernelKind;
+use kernels::KernelLanes;
+pub use table::Table;
 
-pub use density::Density;
-pub use laplacian::Symmetric;
+/// A pair: gradient, and twice the number of the other particle in the block's table.
+pub type Pair = [i16; 4];
+/// Particles of a slice.
+pub const SLICE: usize = 8;
 
-/// What all sums share.
-#[derive(Clone, Copy, Debug)]
-pub struct Pairs<'a> {
-    /// What the sums are made with.
-    pub with: Discretization,
-    /// Places in support radii and a fourth number, P where pressure is asked for; one more than particles are, the
-    /// last one far from all.
-    pub places: &'a [Quad],
+/// A pair of each particle of a slice.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(align(64))]
+pub struct Row(pub [Pair; SLICE]);
+
+impl Row {
+    /// Nothing, of a place that no particle has.
+    pub const NONE: Row = Row([[0, 0, 0, 1]; SLICE]);
 }
 
-/// A vector for each particle of a chunk.
-pub type Vectors = [[f32; 3]; CHUNK];
+/// The largest number of a pair, which rounding doesn't raise above that of 16 bits.
+const LARGEST: f32 = 32_766.0;
 
-impl Pairs<'_> {
-    /// Writes the kernel's slopes into the lists, for the sums below, and D without boundary, the sum of V grad W, and the sum of |V grad W|^2 of the chunk's particles.
-    pub fn density(&self, lists: &mut Lists, out: &mut [Density]) {
-        self.run(density::Work { pairs: *self, lists, out });
-    }
+/// A symmetric matrix: xx, yy, zz, xy, xz, yz.
+pub type Symmetric = [f32; 6];
 
-    /// The sum of V (u_i - u_j) . grad W_ij of a field u, which has one value more than particles are.
-    pub fn flux(&self, lists: &Lists, field: &[Quad], out: &mut [f32]) {
-        self.run(flux::Work { pairs: *self, lists, field, out });
-    }
-
-    /// The sum of -V (P_i + P_j) grad W_ij: Eq. 1 of Band et al. 2018, the part of the fluid.
-    pub fn acceleration(&self, lists: &Lists, out: &mut [[f32; 3]]) {
-        self.run(acceleration::Work { pairs: *self, lists, out });
-    }
-
-    /// The Laplacian of the velocity, Eq. 16 of Bender et al. 2020, and the XSPH mean of the differences.
-    pub fn viscosity(&self, lists: &Lists, velocities: &[Quad], out: &mut [[[f32; 3]; 2]]) {
-        self.run(viscosity::Work { pairs: *self, lists, velocities, out });
-    }
-
-    /// The Laplacian alone, of any field.
-    pub fn laplacian(&self, lists: &Lists, field: &[Quad], out: &mut [[f32; 3]]) {
-        self.run(laplacian::Work { pairs: *self, lists, field, out });
-    }
-
-    /// The matrices by which the particles' own values enter their own Laplacians, 1/m^2; none has a positive eigenvalue.
-    pub fn laplacian_own_part(&self, lists: &Lists, out: &mut [Symmetric]) {
-        self.run(laplacian::OwnPart { pairs: *self, lists, out });
-    }
-
-    /// V NORM / r^3: what the sum of w becomes a density by.
-    fn density_scale<K: KernelLanes>(&self) -> f32 {
-        (self.with.volume * f64::from(K::NORM) / self.with.support_radius.powi(3)) as f32
-    }
-
-    /// V NORM SLOPE / r^4: what the sum of slope x / r becomes V grad W by.
-    fn gradient_scale<K: KernelLanes>(&self) -> f32 {
-        (self.with.volume * f64::from(K::NORM) * f64::from(K::SLOPE) / self.with.support_radius.powi(4))
-            as f32
-    }
-
-    /// The same times 2 (d + 2) / r: what the sum of slope (u . x) x / (x . x) becomes a Laplacian by; x . x and x are in
-    /// support radii, of which one is left over.
-    fn laplacian_scale<K: KernelLanes>(&self) -> f32 {
-        let factor = 2 * (self.with.dimension.count() + 2);
-        factor as f32 * self.gradient_scale::<K>() / self.with.support_radius as f32
-    }
-
-    fn run(&self, work: impl KernelWork) {
-        dispatch(WithKernel { kernel: self.with.kernel, work });
-    }
+/// What a particle's fluid neighbours amount to.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Density {
+    /// The sum of V W, the particle itself included: relative density.
+    pub density: f32,
+    /// The sum of V grad W, 1/m.
+    pub gradient: [f32; 3],
+    /// The sum of |V grad W|^2, 1/m^2.
+    pub squares: f32,
 }
 
-/// What can be done with any kernel on any lanes.
-trait KernelWork {
-    /// Must be inlined, to be compiled for the processor that has the lanes.
-    fn run<V: Lanes, K: KernelLanes>(self);
+/// From sums in support radii, and from numbers of pairs, to metres.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Units {
+    /// Sums of w to densities: V NORM / r^3.
+    pub density: f32,
+    /// Sums of slope x to V grad W: V NORM SLOPE / r^4.
+    pub gradient: f32,
+    /// Slope x to a pair's numbers.
+    pub pair: f32,
+    /// A pair's numbers to V grad W.
+    pub of_pair: f32,
+    /// x (|slope| / (x^2 + 0.01))^1/2 to a bend's numbers.
+    pub bend: f32,
+    /// Products of two of them to the Laplacian, Eq. 16 of Bender et al. 2020; positive.
+    pub of_bend: f32,
+    /// w to the fourth number of a bend.
+    pub value: f32,
+    /// And back to V W.
+    pub of_value: f32,
 }
 
-struct WithKernel<W> {
-    kernel: KernelKind,
-    work: W,
-}
-
-impl<W: KernelWork> Work for WithKernel<W> {
-    #[inline(always)]
-    fn run<V: Lanes>(self) {
-        match self.kernel {
-            KernelKind::CubicSpline => self.work.run::<V, CubicSpline>(),
-            KernelKind::WendlandC2 => self.work.run::<V, WendlandC2>(),
-            KernelKind::Spiky => self.work.run::<V, Spiky>(),
-            KernelKind::Poly6 => self.work.run::<V, Poly6>(),
+impl Units {
+    pub(crate) fn new<K: KernelLanes>(with: Discretization) -> Units {
+        let radius = with.support_radius;
+        let density = with.volume * f64::from(K::NORM) / radius.powi(3);
+        let gradient = density * f64::from(K::SLOPE) / radius;
+        let [pair, bend] = [K::STEEPEST, K::BENDIEST].map(|largest| LARGEST / largest);
+        // x . x and x are in support radii, of which one is left over.
+        let laplacian = 2.0 * (with.dimension.count() as f64 + 2.0) * gradient.abs() / radius;
+        Units {
+            density: density as f32,
+            gradient: gradient as f32,
+            pair,
+            of_pair: (gradient / f64::from(pair)) as f32,
+            bend,
+            of_bend: (laplacian / f64::from(bend).powi(2)) as f32,
+            value: LARGEST,
+            of_value: (density / f64::from(LARGEST)) as f32,
         }
     }
-}
-
-/// From i to eight neighbours: x_ij = x_i - x_j in support radii, its square, and the neighbours' fourth numbers.
-struct Difference<V> {
-    x: [V; 3],
-    square: V,
-    fourth: V,
-}
-
-impl<V: Lanes> Difference<V> {
-    #[inline(always)]
-    fn new(places: &[Quad], at: [V; 3], group: &Group) -> Difference<V> {
-        let [place] = V::gather([places], group);
-        Difference::from(at, place)
-    }
-
-    /// As [`Difference::new`], with the neighbours' values of a field.
-    #[inline(always)]
-    fn with_field(places: &[Quad], field: &[Quad], at: [V; 3], group: &Group) -> (Difference<V>, [V; 4]) {
-        let [place, values] = V::gather([places, field], group);
-        (Difference::from(at, place), values)
-    }
-
-    #[inline(always)]
-    fn from(at: [V; 3], [x, y, z, fourth]: [V; 4]) -> Difference<V> {
-        let x = [at[0] - x, at[1] - y, at[2] - z];
-        Difference { x, square: dot(x, x), fourth }
-    }
-}
-
-#[inline(always)]
-fn dot<V: Lanes>(a: [V; 3], b: [V; 3]) -> V {
-    (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]
-}
-
-/// sum + factor vector.
-#[inline(always)]
-fn add_scaled<V: Lanes>(sum: [V; 3], factor: V, vector: [V; 3]) -> [V; 3] {
-    [sum[0] + factor * vector[0], sum[1] + factor * vector[1], sum[2] + factor * vector[2]]
-}
-
-#[inline(always)]
-fn splat<V: Lanes>(quad: Quad) -> [V; 3] {
-    [V::splat(quad[0]), V::splat(quad[1]), V::splat(quad[2])]
-}
-
-/// The sums of the lanes, times a factor.
-#[inline(always)]
-fn sums<V: Lanes>(factor: f32, vector: [V; 3]) -> [f32; 3] {
-    [factor * vector[0].sum(), factor * vector[1].sum(), factor * vector[2].sum()]
 }
 
 #[cfg(test)]

@@ -11,8 +11,9 @@
 use crate::boundary::Boundary;
 use crate::boundary::pressure::{Pressures, WallPressure};
 use crate::fields::{Discretization, Fields};
-use crate::neighbours::{CHUNK, Neighbours};
+use crate::neighbours::{self, Lists, Neighbours};
 use crate::pairs::lanes::Quad;
+use crate::pairs::sums;
 use crate::response::Response;
 use crate::settings::SolveSettings;
 use rayon::prelude::*;
@@ -57,20 +58,18 @@ impl Fields {
         self.sources.resize(self.len(), 0.0);
         self.steps.resize(self.len(), 0.0);
         self.begin_response(&solve.response);
-        let (pairs, velocities, dt) = (solve.with.pairs(&self.places), &self.velocities, solve.dt as f32);
+        let (velocities, dt) = (&self.velocities, solve.dt as f32);
         let least = SMALLEST_FACTOR / (solve.with.support_radius * solve.with.support_radius) as f32;
-        let (densities, factors) = (&self.densities, &self.factors);
+        let (densities, factors, gradients) = (&self.densities, &self.factors, &self.gradients);
         let (body_flux, body_factors) = (&self.body_flux, &self.body_factors);
-        let chunks = self.sources.par_chunks_mut(CHUNK).zip(self.steps.par_chunks_mut(CHUNK));
-        chunks.zip(solve.neighbours.chunks()).for_each(|((sources, steps), lists)| {
-            pairs.flux(lists, velocities, sources);
+        let steps = solve.neighbours.split(&mut self.steps);
+        solve.neighbours.with(&mut self.sources).zip(steps).for_each(|((lists, sources), steps)| {
+            flux(lists, velocities, gradients, sources);
             for within in 0..sources.len() {
                 let particle = lists.first + within;
-                let wall = &solve.boundary.of_particle[particle];
                 let [known, bound] =
                     [body_flux, body_factors].map(|all| all.get(particle).copied().unwrap_or(0.0));
-                let rate =
-                    sources[within] + dot(velocities[particle], wall.gradient) - wall.flux - dt * known;
+                let rate = sources[within] - solve.boundary.of_particle[particle].flux - dt * known;
                 let (source, factor) = (source(densities[particle], rate, dt), factors[particle] + bound);
                 sources[within] = source.unwrap_or(0.0);
                 // A particle alone can't be compressed.
@@ -80,7 +79,7 @@ impl Fields {
         });
     }
 
-    /// Relaxed Jacobi steps until the mean error is small; pressures begin as the fourth numbers of the places.
+    /// Relaxed Jacobi steps until the mean error is small, from the pressures that are there.
     fn iterate(&mut self, solve: &Solve) -> SolveReport {
         let mut report = SolveReport::default();
         loop {
@@ -94,7 +93,7 @@ impl Fields {
             {
                 return report;
             }
-            std::mem::swap(&mut self.places, &mut self.next_places);
+            std::mem::swap(&mut self.pressures, &mut self.next_pressures);
         }
     }
 
@@ -115,7 +114,7 @@ impl Fields {
         if !solve.response.is_empty() {
             let mut body_flux = std::mem::take(&mut self.body_flux);
             body_flux.fill(0.0);
-            let pressures = self.pressures();
+            let pressures = self.all_pressures();
             solve.response.add_response(|contact| solve.wall.factor(pressures, contact), &mut body_flux);
             self.body_flux = body_flux;
         }
@@ -123,58 +122,72 @@ impl Fields {
 
     /// Accelerations by the pressures: Eq. 1 of Band et al. with the boundary's part as Eq. 15 of Bender et al.
     fn accelerate_by_pressure(&mut self, solve: &Solve) {
-        solve.wall.at_sites(&self.places, &mut self.site_pressures);
+        solve.wall.at_sites(&self.pressures, &mut self.site_pressures);
         let mut accelerations = std::mem::take(&mut self.accelerations);
-        let (pairs, pressures) = (solve.with.pairs(&self.places), self.pressures());
-        let chunks = accelerations.par_chunks_mut(CHUNK).zip(solve.neighbours.chunks()).enumerate();
-        chunks.for_each(|(chunk, (out, lists))| {
-            let mut sums = [[0.0; 3]; CHUNK];
-            let sums = &mut sums[..lists.len()];
-            pairs.acceleration(lists, sums);
-            solve.wall.accelerate(solve.boundary, chunk, pressures, sums);
-            for (out, &mut [x, y, z]) in out.iter_mut().zip(sums) {
-                *out = [x, y, z, 0.0];
-            }
+        let (all, gradients) = (self.all_pressures(), &self.gradients);
+        solve.neighbours.with(&mut accelerations).enumerate().for_each(|(block, (lists, out))| {
+            neighbours::work(lists, |workspace| {
+                workspace.table.fill_with(lists.table(), all.fluid);
+                sums::gradients(lists, &workspace.table, &mut workspace.sums);
+                let own = all.fluid[lists.particles()].iter().zip(&gradients[lists.particles()]);
+                for ((out, sum), (pressure, gradient)) in out.iter_mut().zip(&workspace.sums).zip(own) {
+                    let [x, y, z] =
+                        std::array::from_fn(|axis| -(pressure * gradient[axis] + lists.unit() * sum[axis]));
+                    *out = [x, y, z, 0.0];
+                }
+            });
+            solve.wall.accelerate(solve.boundary, (block, lists.first), all, out);
         });
         self.accelerations = accelerations;
     }
 
     /// Pressures of fluid and boundary in this iteration.
-    pub(crate) fn pressures(&self) -> Pressures<'_> {
-        Pressures { places: &self.places, densities: &self.densities, sites: &self.site_pressures }
+    pub(crate) fn all_pressures(&self) -> Pressures<'_> {
+        Pressures { fluid: &self.pressures, densities: &self.densities, sites: &self.site_pressures }
     }
 
-    /// A Jacobi step into `next_places`; the mean error of the pressures before it.
+    /// A Jacobi step into `next_pressures`; the mean error of the pressures before it.
     fn relax(&mut self, solve: &Solve) -> f64 {
-        let pairs = solve.with.pairs(&self.places);
-        let (places, accelerations) = (&self.places, &self.accelerations);
-        let (sources, steps, body_flux) = (&self.sources, &self.steps, &self.body_flux);
-        self.next_places.resize(places.len(), [0.0; 4]);
-        let last = places.len() - 1;
-        self.next_places[last] = places[last];
-        let chunks = self.next_places[..last].par_chunks_mut(CHUNK).zip(solve.neighbours.chunks());
-        let errors: Vec<f64> = chunks
-            .map(|(out, lists)| {
-                let mut change = [0.0; CHUNK];
-                let change = &mut change[..lists.len()];
-                pairs.flux(lists, accelerations, change);
-                let mut sum = 0.0;
-                for (within, (out, change)) in out.iter_mut().zip(change).enumerate() {
-                    let particle = lists.first + within;
-                    let wall = solve.boundary.of_particle[particle].gradient;
-                    let bodies = body_flux.get(particle).copied().unwrap_or(0.0);
-                    let error = sources[particle] + *change + dot(accelerations[particle], wall) - bodies;
-                    let [x, y, z, pressure] = places[particle];
-                    *out = [x, y, z, (pressure + steps[particle] * error).max(0.0)];
-                    if steps[particle] > 0.0 {
-                        sum += f64::from(error.max(0.0));
+        let (accelerations, gradients) = (&self.accelerations, &self.gradients);
+        let (pressures, body_flux) = (&self.pressures, &self.body_flux);
+        let (sources, steps) = (&self.sources, &self.steps);
+        self.next_pressures.resize(pressures.len(), 0.0);
+        let blocks = solve.neighbours.with(&mut self.next_pressures);
+        let errors: Vec<f64> = blocks
+            .map(|(lists, out)| {
+                flux(lists, accelerations, gradients, out);
+                if !body_flux.is_empty() {
+                    for (change, bodies) in out.iter_mut().zip(&body_flux[lists.particles()]) {
+                        *change -= bodies;
                     }
+                }
+                let own = sources[lists.particles()].iter().zip(&steps[lists.particles()]);
+                let mut sum = 0.0;
+                for ((out, pressure), (source, step)) in
+                    out.iter_mut().zip(&pressures[lists.particles()]).zip(own)
+                {
+                    let error = source + *out;
+                    *out = (pressure + step * error).max(0.0);
+                    sum += if *step > 0.0 { f64::from(error.max(0.0)) } else { 0.0 };
                 }
                 sum
             })
             .collect();
-        errors.iter().sum::<f64>() * solve.dt * solve.dt / last.max(1) as f64
+        errors.iter().sum::<f64>() * solve.dt * solve.dt / pressures.len().max(1) as f64
     }
+}
+
+/// How fast a vector field compresses the particles of a block: the sum of V (u_i - u_j) . grad W_ij + u_i . grad rho_B / rho_0, which
+/// is dD/dt for a velocity among bodies at rest.
+fn flux(lists: &Lists, field: &[Quad], gradients: &[Quad], out: &mut [f32]) {
+    neighbours::work(lists, |workspace| {
+        workspace.table.fill(lists.table(), field);
+        sums::gradients(lists, &workspace.table, &mut workspace.sums);
+        let own = field[lists.particles()].iter().zip(&gradients[lists.particles()]);
+        for ((out, [x, y, z, _]), (own, gradient)) in out.iter_mut().zip(&workspace.sums).zip(own) {
+            *out = dot(own, gradient) - lists.unit() * (x + y + z);
+        }
+    });
 }
 
 /// What a solve works on.
@@ -197,6 +210,6 @@ pub struct Solve<'a> {
     pub dt: f64,
 }
 
-fn dot(a: Quad, b: [f32; 3]) -> f32 {
+fn dot(a: &Quad, b: &Quad) -> f32 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }

@@ -1,13 +1,15 @@
 //! The simulation: its state, and a step as Algorithm 1 of Band et al. 2018 writes it.
 
+use crate::blocks::TooDense;
 use crate::bodies::Bodies;
 use crate::boundary::Boundary;
 use crate::boundary::pressure::{self, Extrapolation, WallPressure};
 use crate::cells::Cells;
 use crate::coupling;
 use crate::error::Error;
-use crate::fields::{Discretization, Fields};
-use crate::neighbours::{CHUNK, Neighbours};
+use crate::fields::{CHUNK, Discretization, Fields};
+use crate::neighbours::{Neighbours, Sought};
+use crate::pairs::Table;
 use crate::particles::Particles;
 use crate::plane;
 use crate::pressure::{Solve, SolveReport};
@@ -157,7 +159,7 @@ impl Simulation {
         let emitted = self.emit();
         let max_speed = self.max_speed();
         let dt = self.time_step(max_speed)?;
-        self.find_neighbourhoods();
+        self.find_neighbourhoods()?;
         self.compute_density();
         let divergence = self.correct_divergence_error(dt);
         let viscosity = self.add_non_pressure(dt);
@@ -215,21 +217,36 @@ impl Simulation {
         Error::Simulation { step: self.step, time: self.time, reason }
     }
 
-    fn find_neighbourhoods(&mut self) {
+    fn find_neighbourhoods(&mut self) -> Result<(), Error> {
         let radius = self.world.support_radius;
         self.cells.sort(&self.particles.positions, radius, &mut self.order);
         self.particles.reorder(&self.order);
         self.fields.place(&self.particles, radius);
         self.stages.end(|stages| &mut stages.sort);
-        self.neighbours.find(&self.cells, &self.particles.positions, &self.fields.places);
+        let [explicit, implicit] = self.fluid.viscosities();
+        let bends = explicit > 0.0 || implicit > 0.0 || self.fluid.xsph > 0.0;
+        let sought = Sought { with: self.discretization(), bends };
+        let Fields { places, neighbourhoods, .. } = &mut self.fields;
+        let found = self.neighbours.find(&self.cells, places, sought, neighbourhoods);
+        found.map_err(|dense| self.too_dense(dense))?;
         self.stages.end(|stages| &mut stages.neighbours);
+        Ok(())
+    }
+
+    fn too_dense(&self, TooDense { particle }: TooDense) -> Error {
+        let DVec3 { x, y, z } = self.particles.positions[particle];
+        self.stopped(format!(
+            "more than {} particles are near each other at ({x:.4}, {y:.4}, {z:.4}): look for fluid that begins on top of other \
+             fluid, or for one far away of the others, and give a smaller domain",
+            Table::ROOM
+        ))
     }
 
     fn compute_density(&mut self) {
-        self.boundary.sample(&self.bodies, &self.particles.positions);
+        self.boundary.sample(&self.bodies, &self.particles.positions, &self.neighbours);
         self.body_speed = self.boundary.max_speed();
         self.stages.end(|stages| &mut stages.boundary);
-        self.fields.compute_density(self.discretization(), &mut self.neighbours, &self.boundary);
+        self.fields.compute_density(&self.boundary);
         self.stages.end(|stages| &mut stages.density);
         let fluid = pressure::Fluid {
             cells: &self.cells,
@@ -249,8 +266,8 @@ impl Simulation {
     }
 
     fn add_non_pressure(&mut self, dt: f64) -> SolveReport {
-        let (with, forces) = (self.discretization(), (&self.fluid, self.world.gravity));
-        self.fields.compute_non_pressure(with, &self.neighbours, forces, dt);
+        let forces = (&self.fluid, self.world.gravity);
+        self.fields.compute_non_pressure(&self.neighbours, forces, dt);
         self.fields.accelerate(dt);
         let report = self.solve_viscosity(dt);
         self.stages.end(|stages| &mut stages.non_pressure);
@@ -264,7 +281,6 @@ impl Simulation {
             return SolveReport::default();
         }
         let system = ViscousSystem {
-            with: self.discretization(),
             neighbours: &self.neighbours,
             boundary: &self.boundary,
             bodies: &self.bodies,
@@ -299,7 +315,7 @@ impl Simulation {
             Goal::Density => fields.correct_density(&solve),
         };
         let forces = coupling::forces(&self.bodies, &fields, &solve, self.particle_mass());
-        fields.keep_pressures(&mut pressures);
+        pressures.copy_from_slice(&fields.pressures);
         fields.accelerate(dt);
         self.fields = fields;
         *goal.pressures(&mut self.particles) = pressures;
@@ -401,7 +417,7 @@ impl Simulation {
         self.boundary.particle_count()
     }
 
-    /// Mean number of neighbours in the last step, the filling of the last group included.
+    /// Mean number of neighbours in the last step.
     pub fn mean_neighbours(&self) -> f64 {
         self.neighbours.entries() as f64 / self.particles.len().max(1) as f64
     }

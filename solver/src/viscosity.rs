@@ -18,10 +18,10 @@ pub mod drag;
 use crate::bodies::Bodies;
 use crate::boundary::Boundary;
 use crate::coupling::Motions;
-use crate::fields::{Discretization, Fields};
-use crate::neighbours::{CHUNK, Neighbours};
-use crate::pairs::Symmetric;
+use crate::fields::{CHUNK, Fields};
+use crate::neighbours::{self, Lists, Neighbours};
 use crate::pairs::lanes::Quad;
+use crate::pairs::{Symmetric, sums};
 use crate::pressure::SolveReport;
 use crate::settings::ViscositySolveSettings;
 use carried::Carried;
@@ -31,9 +31,7 @@ use volmap_runtime::DVec3;
 
 /// What a solve works on.
 pub struct ViscousSystem<'a> {
-    /// The kernel's sums.
-    pub with: Discretization,
-    /// Who is near whom.
+    /// Who is near whom; with bends where there is viscosity.
     pub neighbours: &'a Neighbours,
     /// Whose drag is near.
     pub boundary: &'a Boundary,
@@ -49,7 +47,7 @@ pub struct ViscousSystem<'a> {
     pub dt: f64,
 }
 
-/// Room for the vectors of conjugate gradients, one for each particle; quads have one more, which is zero.
+/// Room for the vectors of conjugate gradients, one for each particle.
 #[derive(Clone, Debug, Default)]
 pub struct ViscousSolver {
     residual: Vec<Quad>,
@@ -75,11 +73,11 @@ impl ViscousSolver {
         changes: &mut [[f32; 3]],
     ) -> (SolveReport, Motions) {
         let carried = Carried::new(system.bodies, system.boundary, system.mass, system.dt);
-        let Fields { places, velocities, accelerations: room, .. } = fields;
+        let Fields { velocities, accelerations: room, .. } = fields;
         let scale = begin(velocities, changes) + carried.square();
-        self.precondition(system, places);
+        self.precondition(system, velocities.len());
         let motions = carried.velocities(velocities);
-        system.apply(&carried, places, (velocities, &motions), room);
+        system.apply(&carried, (velocities, &motions), room);
         let mut squares = self.first_residual(changes, room);
         let mut report = SolveReport::default();
         loop {
@@ -90,7 +88,7 @@ impl ViscousSolver {
                 break;
             }
             let motions = carried.response(&self.direction);
-            let product = system.apply(&carried, places, (&self.direction, &motions), room);
+            let product = system.apply(&carried, (&self.direction, &motions), room);
             if product.is_nan() || product <= 0.0 {
                 break;
             }
@@ -109,27 +107,25 @@ impl ViscousSolver {
     }
 
     /// Inverts the diagonal blocks.
-    fn precondition(&mut self, system: &ViscousSystem, places: &[Quad]) {
-        self.inverses.resize(places.len() - 1, [0.0; 6]);
-        let (pairs, step) = (system.with.pairs(places), system.dt * system.viscosity);
-        let chunks = self.inverses.par_chunks_mut(CHUNK).zip(system.neighbours.chunks());
-        chunks.for_each(|(out, lists)| {
+    fn precondition(&mut self, system: &ViscousSystem, count: usize) {
+        self.inverses.resize(count, [0.0; 6]);
+        let step = system.dt * system.viscosity;
+        system.neighbours.with(&mut self.inverses).enumerate().for_each(|(block, (lists, out))| {
             out.fill([0.0; 6]);
-            if step > 0.0 {
-                pairs.laplacian_own_part(lists, out);
+            if let (true, Some(bends)) = (step > 0.0, lists.bends()) {
+                sums::squares_of_bends(lists, bends, out);
             }
-            let mut blocks = [[0.0; 6]; CHUNK];
-            for (block, own) in blocks.iter_mut().zip(&*out) {
-                *block = own.map(|x| -step * f64::from(x));
-            }
-            for drag in system.boundary.drags_of_chunk(lists.first / CHUNK) {
-                let block = &mut blocks[drag.particle as usize - lists.first];
-                for (sum, x) in block.iter_mut().zip(drag.matrix()) {
+            let unit = step * f64::from(lists.unit_of_bends());
+            let mut matrices: Vec<[f64; 6]> =
+                out.iter().map(|own| own.map(|x| unit * f64::from(x))).collect();
+            for drag in system.boundary.drags_of_block(block) {
+                let matrix = &mut matrices[drag.particle as usize - lists.first];
+                for (sum, x) in matrix.iter_mut().zip(drag.matrix()) {
                     *sum += system.dt * x;
                 }
             }
-            for (out, block) in out.iter_mut().zip(blocks) {
-                *out = inverse_of_one_plus(block);
+            for (out, matrix) in out.iter_mut().zip(matrices) {
+                *out = inverse_of_one_plus(matrix);
             }
         });
     }
@@ -201,28 +197,17 @@ impl ViscousSolver {
 
 impl ViscousSystem<'_> {
     /// Writes A u, for a field u and the bodies' motions that belong to it; the product u . A u.
-    fn apply(
-        &self,
-        carried: &Carried,
-        places: &[Quad],
-        (field, motions): (&[Quad], &Motions),
-        out: &mut [Quad],
-    ) -> f64 {
-        let (pairs, viscous) = (self.with.pairs(places), (self.dt * self.viscosity) as f32);
-        let chunks = out.par_chunks_mut(CHUNK).zip(self.neighbours.chunks());
-        let products: Vec<f64> = chunks
-            .map(|(out, lists)| {
-                let mut laplacians = [[0.0; 3]; CHUNK];
-                let laplacians = &mut laplacians[..lists.len()];
+    fn apply(&self, carried: &Carried, (field, motions): (&[Quad], &Motions), out: &mut [Quad]) -> f64 {
+        let viscous = (self.dt * self.viscosity) as f32;
+        let blocks = self.neighbours.with(out).enumerate();
+        let products: Vec<f64> = blocks
+            .map(|(block, (lists, out))| {
+                let own = &field[lists.particles()];
+                out.copy_from_slice(own);
                 if viscous > 0.0 {
-                    pairs.laplacian(lists, field, laplacians);
+                    self.subtract_laplacian(lists, field, viscous, out);
                 }
-                let own = &field[lists.first..][..lists.len()];
-                for ((out, own), laplacian) in out.iter_mut().zip(own).zip(laplacians) {
-                    let [x, y, z] = std::array::from_fn(|axis| own[axis] - viscous * laplacian[axis]);
-                    *out = [x, y, z, 0.0];
-                }
-                for drag in self.boundary.drags_of_chunk(lists.first / CHUNK) {
+                for drag in self.boundary.drags_of_block(block) {
                     let own = carried::velocity(field[drag.particle as usize]);
                     let lost = self.dt * drag.rate(own - carried.at(drag, motions));
                     let out = &mut out[drag.particle as usize - lists.first];
@@ -234,6 +219,19 @@ impl ViscousSystem<'_> {
             })
             .collect();
         products.iter().sum()
+    }
+
+    fn subtract_laplacian(&self, lists: &Lists, field: &[Quad], factor: f32, out: &mut [Quad]) {
+        let Some(bends) = lists.bends() else { return };
+        neighbours::work(lists, |workspace| {
+            workspace.table.fill(lists.table(), field);
+            sums::bends(lists, bends, &workspace.table, &mut workspace.sums);
+            for (out, sum) in out.iter_mut().zip(&workspace.sums) {
+                for axis in 0..3 {
+                    out[axis] -= factor * lists.unit_of_bends() * sum[axis];
+                }
+            }
+        });
     }
 }
 

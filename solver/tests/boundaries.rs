@@ -64,7 +64,7 @@ fn of_floor(method: BoundaryMethod, height: f64) -> (f64, DVec3) {
     let scene = tank(method, Own);
     let setup = assemble(&scene, prepare(&scene, &mut |_| ()).unwrap()).unwrap();
     let mut boundary = Boundary::new(&setup.world, &setup.fluid, &setup.bodies).unwrap();
-    boundary.sample(&setup.bodies, &[DVec3::new(0.02, height, -0.03)]);
+    boundary.sample_alone(&setup.bodies, &[DVec3::new(0.02, height, -0.03)]);
     let wall = boundary.of_particle[0];
     (wall.density.into(), DVec3::from_array(wall.gradient.map(f64::from)))
 }

@@ -18,7 +18,6 @@
 use super::{Boundary, Contact, Method};
 use crate::cells::Cells;
 use crate::fields::Discretization;
-use crate::neighbours::CHUNK;
 use crate::pairs::lanes::Quad;
 use crate::settings::BoundaryPressure;
 use glam::{DMat3, IVec3};
@@ -30,6 +29,9 @@ use volmap_runtime::{ClosureKind, DVec3};
 /// with 0.03 and less the slope across a layer, from that layer's own unevenness, throws the fluid about, with 0.1 and more
 /// it is as calm as without extrapolation.
 const LEAST_SPREAD: f64 = 0.1;
+
+/// Sites that are worked on together.
+const CHUNK: usize = 256;
 
 /// How pressures at the sites follow from the fluid's.
 #[derive(Clone, Debug, Default)]
@@ -111,14 +113,14 @@ impl Extrapolation {
         });
     }
 
-    /// p_b / rho_0 of every site into `out`; pressures are the fourth numbers of `places`.
-    fn pressures(&self, places: &[Quad], with_weight: bool, out: &mut Vec<f32>) {
+    /// p_b / rho_0 of every site into `out`, by those of the fluid.
+    fn pressures(&self, fluid: &[f32], with_weight: bool, out: &mut Vec<f32>) {
         out.resize(self.sites.len(), 0.0);
         out.par_chunks_mut(CHUNK).zip(&self.chunks).for_each(|(out, chunk)| {
             for (site, out) in out.iter_mut().enumerate() {
                 let factors = &chunk.factors[chunk.starts[site] as usize..chunk.starts[site + 1] as usize];
                 let sum: f32 =
-                    factors.iter().map(|&(particle, factor)| factor * places[particle as usize][3]).sum();
+                    factors.iter().map(|&(particle, factor)| factor * fluid[particle as usize]).sum();
                 *out = (if with_weight { sum + chunk.weights[site] } else { sum }).max(0.0);
             }
         });
@@ -138,7 +140,7 @@ impl Boundary {
         let shared = matches!(self.method, Method::Particles(..));
         numbers.clear();
         numbers.resize(self.particle_count(), u32::MAX);
-        for contact in self.chunks.iter_mut().flat_map(|chunk| &mut chunk.contacts) {
+        for contact in self.blocks.iter_mut().flat_map(|block| &mut block.contacts) {
             let mut number = if shared { numbers[contact.site as usize] } else { u32::MAX };
             if number == u32::MAX {
                 number = sites.len() as u32;
@@ -268,11 +270,11 @@ pub struct WallPressure<'a> {
     own_part: f32,
 }
 
-/// Fluid and sites in an iteration: P of each particle as the fourth of its place, D, p_b / rho_0 of each site.
+/// Fluid and sites in an iteration.
 #[derive(Clone, Copy)]
 pub struct Pressures<'a> {
-    /// Places and P.
-    pub places: &'a [Quad],
+    /// P of each particle, m^2/s^2.
+    pub fluid: &'a [f32],
     /// Relative densities D.
     pub densities: &'a [f32],
     /// p_b / rho_0, m^2/s^2; empty where nothing is extrapolated.
@@ -291,8 +293,8 @@ impl<'a> WallPressure<'a> {
     }
 
     /// Pressures at all sites, p_b / rho_0, into `out`.
-    pub fn at_sites(&self, places: &[Quad], out: &mut Vec<f32>) {
-        self.extrapolation.pressures(places, self.with_weight, out);
+    pub fn at_sites(&self, fluid: &[f32], out: &mut Vec<f32>) {
+        self.extrapolation.pressures(fluid, self.with_weight, out);
     }
 
     /// What a contact's gradient is multiplied by: (p_i / rho_i^2 + p_b / rho_0^2) rho_0, m^2/s^2.
@@ -305,7 +307,7 @@ impl<'a> WallPressure<'a> {
     /// The part of it that is the same in all contacts of a particle.
     #[inline]
     fn of_particle(&self, pressures: Pressures, particle: usize) -> f32 {
-        let (pressure, density) = (pressures.places[particle][3], pressures.densities[particle]);
+        let (pressure, density) = (pressures.fluid[particle], pressures.densities[particle]);
         match self.kind {
             BoundaryPressure::Mirror => pressure * (1.0 + density * density),
             _ => self.own_part * pressure,
@@ -318,22 +320,30 @@ impl<'a> WallPressure<'a> {
         if pressures.sites.is_empty() { 0.0 } else { self.own_part * pressures.sites[contact.site as usize] }
     }
 
-    /// Adds the boundary's part to the accelerations of a chunk of particles.
-    pub fn accelerate(&self, boundary: &Boundary, chunk: usize, pressures: Pressures, sums: &mut [[f32; 3]]) {
-        let first = chunk * CHUNK;
-        let add = |sum: &mut [f32; 3], factor: f32, gradient: [f32; 3]| {
+    /// Adds what the boundary's part has more than the pressure of each particle times the boundary's gradient to the
+    /// accelerations of a block: its number, and its first particle.
+    pub fn accelerate(
+        &self,
+        boundary: &Boundary,
+        (block, first): (usize, usize),
+        pressures: Pressures,
+        out: &mut [Quad],
+    ) {
+        let add = |out: &mut Quad, factor: f32, gradient: [f32; 3]| {
             for axis in 0..3 {
-                sum[axis] -= factor * gradient[axis];
+                out[axis] -= factor * gradient[axis];
             }
         };
-        for (within, sum) in sums.iter_mut().enumerate() {
-            let particle = first + within;
-            add(sum, self.of_particle(pressures, particle), boundary.of_particle[particle].gradient);
+        if self.kind != BoundaryPressure::Own {
+            for (particle, out) in (first..).zip(&mut *out) {
+                let more = self.of_particle(pressures, particle) - pressures.fluid[particle];
+                add(out, more, boundary.of_particle[particle].gradient);
+            }
         }
         if !pressures.sites.is_empty() {
-            for contact in boundary.contacts_of_chunk(chunk) {
-                let sum = &mut sums[contact.particle as usize - first];
-                add(sum, self.of_site(pressures, contact), contact.gradient);
+            for contact in boundary.contacts_of_block(block) {
+                let out = &mut out[contact.particle as usize - first];
+                add(out, self.of_site(pressures, contact), contact.gradient);
             }
         }
     }

@@ -2,7 +2,10 @@
 
 use super::*;
 use crate::fields::Fields;
+use crate::pairs::Pair;
+use crate::pairs::lanes::Plain;
 use crate::particles::Particles;
+use volmap_runtime::{DVec3, Dimension};
 
 /// The numbers of SplitMix64 (Steele et al. 2014), 0 to 1.
 pub(crate) fn random(seed: u64) -> impl FnMut() -> f64 {
@@ -29,34 +32,84 @@ pub(crate) struct Arranged {
     pub neighbours: Neighbours,
 }
 
-pub(crate) fn arrange(positions: &[DVec3], radius: f64) -> Arranged {
+/// With bends; of particles of an eighth of the radius's cube.
+pub(crate) fn arrange(positions: &[DVec3], support_radius: f64) -> Arranged {
+    let volume = 0.125 * support_radius.powi(3);
+    let kernel = KernelKind::CubicSpline;
+    arrange_with(positions, Discretization { kernel, support_radius, volume, dimension: Dimension::Three })
+}
+
+pub(crate) fn arrange_with(positions: &[DVec3], with: Discretization) -> Arranged {
     let mut particles = Particles::default();
     particles.add(positions, &vec![[0.0; 3]; positions.len()]);
     let (mut cells, mut order) = (Cells::default(), Vec::new());
-    cells.sort(&particles.positions, radius, &mut order);
+    cells.sort(&particles.positions, with.support_radius, &mut order);
     particles.reorder(&order);
     let (mut fields, mut neighbours) = (Fields::default(), Neighbours::default());
-    fields.place(&particles, radius);
-    neighbours.find(&cells, &particles.positions, &fields.places);
+    fields.place(&particles, with.support_radius);
+    let sought = Sought { with, bends: true };
+    neighbours.find(&cells, &fields.places, sought, &mut fields.neighbourhoods).unwrap();
     Arranged { positions: particles.positions, fields, neighbours }
+}
+
+/// Cells of some points, and their places.
+pub(crate) fn sorted(positions: &[DVec3], radius: f64) -> (Cells, Vec<Quad>) {
+    let (mut cells, mut order) = (Cells::default(), Vec::new());
+    cells.sort(positions, radius, &mut order);
+    (cells, arrange(positions, radius).fields.places)
+}
+
+impl Neighbours {
+    /// As [`Neighbours::find`], with bends, by plain lanes.
+    pub(crate) fn find_plainly(
+        cells: &Cells,
+        places: &[Quad],
+        with: Discretization,
+        densities: &mut Vec<Density>,
+    ) -> Neighbours {
+        let blocks = blocks::divide(cells, places.len()).unwrap();
+        densities.resize(places.len(), Density::default());
+        let sought = Sought { with, bends: true };
+        let build = |block: &Block| {
+            let (mut lists, mut workspace) = (Lists::default(), Workspace::default());
+            let out = &mut densities[block.particles.clone()];
+            let (workspace, into) = (&mut workspace, &mut lists);
+            Build { cells, block, places, sought, workspace, lists: into, out }.run::<Plain>();
+            lists
+        };
+        let lists = blocks.iter().map(build).collect();
+        Neighbours { blocks, lists }
+    }
+}
+
+/// The neighbours of a particle of a block, and what they are to it.
+pub(crate) fn listed(lists: &Lists, within: usize) -> Vec<(usize, Pair)> {
+    let table: Vec<usize> = lists.table().iter().cloned().flatten().map(|n| n as usize).collect();
+    let of_slice = |(particles, rows): (&[u16; SLICE], Range<usize>)| {
+        let lane = particles.iter().position(|&particle| usize::from(particle) == within)?;
+        Some(lists.rows()[rows].iter().map(|row| row.0[lane]).collect::<Vec<Pair>>())
+    };
+    let mut pairs = lists.slices().filter_map(of_slice);
+    let own = pairs.next().expect("each particle is in a slice");
+    assert!(pairs.next().is_none(), "and in one");
+    let far = 2 * table.len() as u16;
+    let real = own.into_iter().filter(|pair| pair[3] as u16 != far);
+    real.map(|pair| (table[pair[3] as u16 as usize / 2], pair)).collect()
 }
 
 /// Each list has who is nearer than the radius, once; within `slack` of it rounding decides.
 fn check(positions: &[DVec3], radius: f64, slack: f64) {
     let Arranged { positions, neighbours, .. } = arrange(positions, radius);
-    assert_eq!(neighbours.chunks().iter().map(Lists::len).sum::<usize>(), positions.len());
+    let particles = neighbours.lists().iter().flat_map(Lists::particles);
+    assert!(particles.eq(0..positions.len()));
     let mut all = 0;
-    for lists in neighbours.chunks() {
+    for lists in neighbours.lists() {
         for within in 0..lists.len() {
             let own = lists.first + within;
-            let listed: Vec<usize> =
-                lists.pairs(within).flat_map(|(group, _)| group).map(|&begin| begin as usize / 4).collect();
-            let filling = listed.iter().filter(|&&n| n == positions.len()).count();
-            assert!(filling < LANES, "the last group alone is filled up");
-            let mut found: Vec<usize> = listed.iter().copied().filter(|&n| n < positions.len()).collect();
-            all += found.len() - 1;
+            let mut found: Vec<usize> = listed(lists, within).into_iter().map(|(other, _)| other).collect();
+            all += found.len();
             found.sort_unstable();
-            assert!(found.windows(2).all(|pair| pair[0] < pair[1]) && found.contains(&own));
+            assert!(found.windows(2).all(|pair| pair[0] < pair[1]) && !found.contains(&own));
             for (other, x) in positions.iter().enumerate().filter(|(other, _)| *other != own) {
                 let away = x.distance(positions[own]) / radius - 1.0;
                 let is_listed = found.binary_search(&other).is_ok();
@@ -65,6 +118,7 @@ fn check(positions: &[DVec3], radius: f64, slack: f64) {
         }
     }
     assert_eq!(all % 2, 0, "who has a neighbour is one");
+    assert_eq!(all, neighbours.entries());
 }
 
 #[test]
@@ -94,12 +148,29 @@ fn far_and_wide_domains_are_searched() {
     check(&wide, 0.1, 3e-3);
 }
 
-/// Where two groups of tables end: the filling must be far from a particle at any place.
 #[test]
-fn filling_is_nobodys_neighbour() {
+fn nobody_is_a_neighbour_of_those_alone() {
     for away in [1e5, 1e7] {
         let positions = [DVec3::ZERO, DVec3::splat(away), DVec3::new(away, 0.0, 0.0)];
         check(&positions, 0.1, 1e-5);
-        assert_eq!(arrange(&positions, 0.1).neighbours.entries(), 3 * LANES, "each has itself");
+        assert_eq!(arrange(&positions, 0.1).neighbours.entries(), 0);
+    }
+}
+
+/// Of many particles blocks are larger; who is near whom isn't another.
+#[test]
+fn large_blocks_have_the_same_pairs() {
+    let points = random_points(9000, 1.1, 8);
+    let Arranged { fields, neighbours, .. } = arrange(&points, 0.1);
+    let mut shifted = points.clone();
+    // Far away, and enough of them.
+    shifted.extend(random_points(200_000, 3.0, 9).iter().map(|x| *x + DVec3::new(0.0, 0.0, 4.0)));
+    let all = arrange(&shifted, 0.1);
+    assert!(all.neighbours.lists().len() < 4 * neighbours.lists().len());
+    let find = |x: &DVec3| all.positions.iter().position(|y| x == y).unwrap();
+    for (n, x) in arrange(&points, 0.1).positions.iter().enumerate().step_by(97) {
+        let [own, other] =
+            [fields.neighbourhoods[n], all.fields.neighbourhoods[find(x)]].map(|of| of.density);
+        assert!((own - other).abs() < 1e-5 * own, "{own} {other}");
     }
 }

@@ -1,10 +1,13 @@
 //! Eight numbers in one AVX register, and the entry to the sums over neighbours compiled for AVX2.
 //!
 //! An [`Avx`] exists in functions that [`run`] calls and nowhere else, and `run` makes them only after the test for
-//! AVX2: so each instruction below is one that the processor has. Loads from tables are checked first.
+//! AVX2 and POPCNT: so each instruction below is one that the processor has. Loads from a table are at places of 16 bits, which are all in
+//! it.
 #![allow(unsafe_code)]
 
 use super::lanes::{Group, LANES, Lanes, Quad, Work};
+use super::table::{QUADS, Table};
+use super::{Pair, Row, SLICE};
 use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Sub};
 
@@ -12,18 +15,18 @@ use std::ops::{Add, Div, Mul, Sub};
 #[derive(Clone, Copy)]
 pub(crate) struct Avx(__m256);
 
-/// Does the work with [`Avx`], if this processor has AVX2; else gives it back.
+/// Does the work with [`Avx`], if this processor has AVX2 and POPCNT; else gives it back.
 #[inline]
 pub(crate) fn run<W: Work>(work: W) -> Option<W> {
-    if !is_x86_feature_detected!("avx2") {
+    if !(is_x86_feature_detected!("avx2") && is_x86_feature_detected!("popcnt")) {
         return Some(work);
     }
-    // SAFETY: this processor has it.
+    // SAFETY: this processor has both.
     unsafe { with_avx2(work) };
     None
 }
 
-#[target_feature(enable = "avx2")]
+#[target_feature(enable = "avx2,popcnt")]
 fn with_avx2<W: Work>(work: W) {
     work.run::<Avx>();
 }
@@ -95,28 +98,91 @@ impl Lanes for Avx {
     }
 
     #[inline(always)]
-    fn gather<const N: usize>(tables: [&[Quad]; N], group: &Group) -> [[Avx; 4]; N] {
-        let count = tables[0].len();
-        assert!(count > 0 && tables.iter().all(|table| table.len() == count));
-        // SAFETY: each quad begins at 4 times an index below the tables' length, or the assertion fails.
+    fn round(self) -> Avx {
+        Avx(unsafe { _mm256_round_ps::<{ _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC }>(self.0) })
+    }
+
+    #[inline(always)]
+    fn gather(table: &Table, places: &Group) -> [Avx; 3] {
+        let place = |lane: usize| place(&places[lane]);
+        let [x, y, z, _] = transpose(
+            two(table, place(0), place(4)),
+            two(table, place(1), place(5)),
+            two(table, place(2), place(6)),
+            two(table, place(3), place(7)),
+        );
+        [x, y, z]
+    }
+
+    #[inline(always)]
+    fn pack([x, y, z]: [Avx; 3], fourth: &[u32; LANES]) -> [Pair; LANES] {
+        let mut out = [[0; 4]; LANES];
+        // SAFETY: both arrays are as long as what is read and written.
         unsafe {
-            let last = _mm256_set1_epi32((4 * (count as u32 - 1)) as i32);
-            let all = _mm256_loadu_si256(group.as_ptr().cast());
-            let below = _mm256_cmpeq_epi32(_mm256_max_epu32(all, last), last);
-            assert!(_mm256_movemask_epi8(below) == -1);
-            // Volatile: the compiler would take the indices out of the vector, which is slower.
-            let [a, b, c, d, e, f, g, h]: [usize; LANES] =
-                std::array::from_fn(|lane| group.as_ptr().add(lane).read_volatile() as usize);
-            let mut out = [[Avx(_mm256_setzero_ps()); 4]; N];
-            for (out, table) in out.iter_mut().zip(tables) {
-                let numbers = table.as_ptr().cast::<f32>();
-                let two = |low: usize, high: usize| {
-                    let low = _mm256_castps128_ps256(_mm_loadu_ps(numbers.add(low)));
-                    _mm256_insertf128_ps::<1>(low, _mm_loadu_ps(numbers.add(high)))
-                };
-                *out = transpose(two(a, e), two(b, f), two(c, g), two(d, h));
+            let low = |n: __m256i| _mm256_and_si256(n, _mm256_set1_epi32(0xffff));
+            let fourth = _mm256_loadu_si256(fourth.as_ptr().cast());
+            let [x, y, z] = [x, y, z].map(|n| _mm256_cvtps_epi32(n.0));
+            let first = _mm256_or_si256(low(x), _mm256_slli_epi32::<16>(y));
+            let second = _mm256_or_si256(low(z), _mm256_slli_epi32::<16>(fourth));
+            let (even, odd) = (_mm256_unpacklo_epi32(first, second), _mm256_unpackhi_epi32(first, second));
+            let to = out.as_mut_ptr().cast::<__m256i>();
+            _mm256_storeu_si256(to, _mm256_permute2x128_si256::<0x20>(even, odd));
+            _mm256_storeu_si256(to.add(1), _mm256_permute2x128_si256::<0x31>(even, odd));
+        }
+        out
+    }
+
+    #[inline(always)]
+    fn whole(self) -> [u32; LANES] {
+        let mut out = [0; LANES];
+        unsafe { _mm256_storeu_si256(out.as_mut_ptr().cast(), _mm256_cvtps_epi32(self.0)) };
+        out
+    }
+
+    #[inline(always)]
+    fn sum_of_rows(rows: &[Row], table: &Table) -> [Quad; SLICE] {
+        // SAFETY: see the top of the file.
+        unsafe {
+            let mut sums = [_mm256_setzero_ps(); SLICE / 2];
+            for row in rows {
+                for (n, sum) in sums.iter_mut().enumerate() {
+                    let of = two(table, place(&row.0[2 * n][3]), place(&row.0[2 * n + 1][3]));
+                    *sum = _mm256_add_ps(*sum, _mm256_mul_ps(numbers(row, n), of));
+                }
             }
-            out
+            quads(sums)
+        }
+    }
+
+    #[inline(always)]
+    fn sum_of_bends<const MEAN: bool>(
+        rows: &[Row],
+        bends: &[Row],
+        table: &Table,
+        own: [Quad; SLICE],
+    ) -> [[Quad; SLICE]; 2] {
+        // SAFETY: see the top of the file.
+        unsafe {
+            let (mut sums, mut means) = ([_mm256_setzero_ps(); SLICE / 2], [_mm256_setzero_ps(); SLICE / 2]);
+            let mut of_own = [_mm256_setzero_ps(); SLICE / 2];
+            for (to, own) in of_own.iter_mut().zip(own.as_chunks::<2>().0) {
+                *to = _mm256_loadu_ps(own.as_ptr().cast());
+            }
+            for (row, bend) in rows.iter().zip(bends) {
+                for n in 0..SLICE / 2 {
+                    let of = two(table, place(&row.0[2 * n][3]), place(&row.0[2 * n + 1][3]));
+                    let (h, of) = (numbers(bend, n), _mm256_sub_ps(of, of_own[n]));
+                    let products = _mm256_mul_ps(h, of);
+                    let pairs = _mm256_add_ps(products, _mm256_permute_ps::<0b10_11_00_01>(products));
+                    let product = _mm256_add_ps(pairs, _mm256_permute_ps::<0b01_00_11_10>(pairs));
+                    sums[n] = _mm256_add_ps(sums[n], _mm256_mul_ps(h, product));
+                    if MEAN {
+                        let value = _mm256_permute_ps::<0xff>(h);
+                        means[n] = _mm256_add_ps(means[n], _mm256_mul_ps(value, of));
+                    }
+                }
+            }
+            [quads(sums), quads(means)]
         }
     }
 
@@ -130,16 +196,6 @@ impl Lanes for Avx {
             _mm256_storeu_si256(out.as_mut_ptr().cast(), _mm256_permutevar8x32_epi32(numbers, order));
         }
         out
-    }
-
-    #[inline(always)]
-    fn sum(self) -> f32 {
-        // The order of the default: halves, then quarters, then both.
-        unsafe {
-            let four = _mm_add_ps(_mm256_castps256_ps128(self.0), _mm256_extractf128_ps::<1>(self.0));
-            let two = _mm_add_ps(four, _mm_movehl_ps(four, four));
-            _mm_cvtss_f32(_mm_add_ss(two, _mm_shuffle_ps::<0x55>(two, two)))
-        }
     }
 }
 
@@ -160,6 +216,48 @@ static FRONT: [[u32; LANES]; 256] = {
     }
     table
 };
+
+/// The lower 16 bits. Volatile: the compiler would take them out of the vector of all numbers there, which is slower than to
+/// load them once more.
+#[inline(always)]
+fn place<T>(number: &T) -> u16 {
+    const { assert!(size_of::<T>() >= size_of::<u16>() && align_of::<T>() >= align_of::<u16>()) };
+    // SAFETY: a reference to numbers as wide or wider, which are little-endian on this processor.
+    unsafe { (&raw const *number).cast::<u16>().read_volatile() }
+}
+
+/// The quads at two places.
+#[inline(always)]
+fn two(table: &Table, low: u16, high: u16) -> __m256 {
+    let numbers = table.numbers();
+    const { assert!(2 * u16::MAX as usize + 4 <= QUADS * 4) };
+    // SAFETY: the table has the quad of every place, see above.
+    unsafe {
+        let quad = |place: u16| _mm_loadu_ps(numbers.as_ptr().add(2 * usize::from(place)));
+        _mm256_insertf128_ps::<1>(_mm256_castps128_ps256(quad(low)), quad(high))
+    }
+}
+
+/// The numbers of a row's pairs `2 n` and `2 n + 1`.
+#[inline(always)]
+fn numbers(row: &Row, n: usize) -> __m256 {
+    // SAFETY: two pairs are 16 bytes.
+    unsafe {
+        let pairs = _mm_loadu_si128((&raw const row.0[2 * n..2 * n + 2]).cast());
+        _mm256_cvtepi32_ps(_mm256_cvtepi16_epi32(pairs))
+    }
+}
+
+/// Two quads a register.
+#[inline(always)]
+fn quads(sums: [__m256; SLICE / 2]) -> [Quad; SLICE] {
+    let mut out = [[0.0; 4]; SLICE];
+    for (out, sum) in out.as_chunks_mut::<2>().0.iter_mut().zip(sums) {
+        // SAFETY: two quads are eight numbers.
+        unsafe { _mm256_storeu_ps(out.as_mut_ptr().cast(), sum) };
+    }
+    out
+}
 
 /// Rows of two quads each for columns.
 #[inline(always)]

@@ -1,4 +1,4 @@
-//! The kernels on eight pairs, in units of the support radius: q = |x| / r.
+//! The kernels at eight distances, in units of the support radius: q = |x| / r.
 //!
 //! W(x) = [`KernelLanes::NORM`] / r^3 `value`; grad W(x) = NORM SLOPE / r^4 `slope` x / r. Monaghan 2005 (cubic spline),
 //! Wendland 1995, Desbrun and Gascuel 1996 (spiky), Müller et al. 2003 (poly6).
@@ -9,6 +9,9 @@ use std::f32::consts::PI;
 /// Distances below this count as this one, so that slopes stay finite.
 const SMALLEST_SQUARE: f32 = 1e-12;
 
+/// What is added to the square of a distance in support radii, 0.01 h^2 of Eq. 16 of Bender et al. 2020.
+pub(crate) const SMALL: f32 = 0.01;
+
 /// A kernel of support radius 1. Both are 0 where q >= 1.
 pub(crate) trait KernelLanes {
     /// 1 / the integral of `value`.
@@ -17,6 +20,10 @@ pub(crate) trait KernelLanes {
     fn value<V: Lanes>(square: V) -> V;
     /// What `slope` must be multiplied by.
     const SLOPE: f32;
+    /// No |slope| q is greater.
+    const STEEPEST: f32;
+    /// Nor is the root of |slope| q^2 / (q^2 + [`SMALL`]).
+    const BENDIEST: f32;
     /// w'(q) / q / SLOPE, from q^2.
     fn slope<V: Lanes>(square: V) -> V;
     /// Both.
@@ -46,6 +53,8 @@ fn short_of<V: Lanes>(limit: f32, x: V) -> V {
 impl KernelLanes for CubicSpline {
     const NORM: f32 = 8.0 / PI;
     const SLOPE: f32 = 6.0;
+    const STEEPEST: f32 = 0.33334;
+    const BENDIEST: f32 = 1.059;
 
     #[inline(always)]
     fn value<V: Lanes>(square: V) -> V {
@@ -71,6 +80,8 @@ impl KernelLanes for CubicSpline {
 impl KernelLanes for WendlandC2 {
     const NORM: f32 = 10.5 / PI;
     const SLOPE: f32 = -20.0;
+    const STEEPEST: f32 = 0.10548;
+    const BENDIEST: f32 = 0.654;
 
     #[inline(always)]
     fn value<V: Lanes>(square: V) -> V {
@@ -89,6 +100,8 @@ impl KernelLanes for WendlandC2 {
 impl KernelLanes for Spiky {
     const NORM: f32 = 15.0 / PI;
     const SLOPE: f32 = -3.0;
+    const STEEPEST: f32 = 1.0;
+    const BENDIEST: f32 = 2.04;
 
     #[inline(always)]
     fn value<V: Lanes>(square: V) -> V {
@@ -107,6 +120,8 @@ impl KernelLanes for Spiky {
 impl KernelLanes for Poly6 {
     const NORM: f32 = 315.0 / 64.0 / PI;
     const SLOPE: f32 = -6.0;
+    const STEEPEST: f32 = 0.28623;
+    const BENDIEST: f32 = 0.872;
 
     #[inline(always)]
     fn value<V: Lanes>(square: V) -> V {

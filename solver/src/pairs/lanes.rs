@@ -1,8 +1,10 @@
-//! Eight pairs at a time: what the sums over neighbours ask of a vector, and the plain way to do it.
+//! Eight numbers at a time: what the search for neighbours and the sums over them ask of a vector, and the plain way to do it.
 //!
 //! Every operation is that of IEEE 754 on each number, nothing is fused, estimated or reordered: so whatever does it
 //! ([`Plain`], `avx2.rs`), the bits are the same.
 
+use super::table::Table;
+use super::{Pair, Row, SLICE};
 use std::ops::{Add, Div, Mul, Sub};
 
 /// Pairs that are evaluated together.
@@ -11,7 +13,7 @@ pub const LANES: usize = 8;
 /// Four numbers of a particle, which are read together: a place and one more, or a vector.
 pub type Quad = [f32; 4];
 
-/// Eight neighbours: four times their indices, which is where their quads begin in a table of numbers.
+/// Places of eight particles in a [`Table`], in the lower 16 bits of each.
 pub type Group = [u32; LANES];
 
 /// One number for each of eight pairs.
@@ -26,8 +28,57 @@ pub(crate) trait Lanes:
     fn max(self, other: Self) -> Self;
     /// Bit by bit, whether the number is below the other one.
     fn below(self, other: Self) -> u32;
-    /// The quads of these neighbours in each table, turned: first numbers, second numbers... Tables of one length.
-    fn gather<const N: usize>(tables: [&[Quad]; N], group: &Group) -> [[Self; 4]; N];
+    /// The nearest whole number, the even one of two.
+    fn round(self) -> Self;
+    /// The first three numbers of the quads at these places, turned.
+    fn gather(table: &Table, places: &Group) -> [Self; 3];
+    /// Pairs of whole numbers of 16 bits, and places.
+    fn pack(vector: [Self; 3], fourth: &[u32; LANES]) -> [Pair; LANES];
+    /// The whole numbers, as they are.
+    fn whole(self) -> [u32; LANES];
+
+    /// For each particle of a slice, the sum of its pairs' numbers times those of the table; of the fourth number nothing.
+    #[inline(always)]
+    fn sum_of_rows(rows: &[Row], table: &Table) -> [Quad; SLICE] {
+        let (mut sums, numbers) = ([[0.0; 4]; SLICE], table.numbers());
+        for row in rows {
+            for (sum, pair) in sums.iter_mut().zip(&row.0) {
+                let at = 2 * pair[3] as u16 as usize;
+                for (axis, sum) in sum.iter_mut().enumerate() {
+                    *sum += f32::from(pair[axis]) * numbers[at + axis];
+                }
+            }
+        }
+        sums
+    }
+
+    /// For each particle of a slice, the sum of h (h . (u_j - u_i)) of its bends h, the vectors u_j of the table and its own u_i;
+    /// with `MEAN` that of the fourth number times u_j - u_i.
+    #[inline(always)]
+    fn sum_of_bends<const MEAN: bool>(
+        rows: &[Row],
+        bends: &[Row],
+        table: &Table,
+        own: [Quad; SLICE],
+    ) -> [[Quad; SLICE]; 2] {
+        let (mut sums, mut means, numbers) = ([[0.0; 4]; SLICE], [[0.0; 4]; SLICE], table.numbers());
+        for (row, bend) in rows.iter().zip(bends) {
+            for lane in 0..SLICE {
+                let at = 2 * row.0[lane][3] as u16 as usize;
+                let h = bend.0[lane].map(f32::from);
+                let apart: Quad = std::array::from_fn(|axis| numbers[at + axis] - own[lane][axis]);
+                let p: Quad = std::array::from_fn(|axis| h[axis] * apart[axis]);
+                let product = (p[0] + p[1]) + (p[2] + p[3]);
+                for axis in 0..4 {
+                    sums[lane][axis] += h[axis] * product;
+                    if MEAN {
+                        means[lane][axis] += h[3] * apart[axis];
+                    }
+                }
+            }
+        }
+        [sums, means]
+    }
 
     /// Puts those whose bits are set to the front, in order; what comes behind them is of no use.
     #[inline(always)]
@@ -39,13 +90,6 @@ pub(crate) trait Lanes:
             rest &= rest - 1;
         }
         out
-    }
-
-    /// The sum of all eight, halves first.
-    #[inline(always)]
-    fn sum(self) -> f32 {
-        let [a, b, c, d, e, f, g, h] = self.array();
-        ((a + e) + (c + g)) + ((b + f) + (d + h))
     }
 }
 
@@ -143,16 +187,28 @@ impl Lanes for Plain {
     }
 
     #[inline(always)]
-    fn gather<const N: usize>(tables: [&[Quad]; N], group: &Group) -> [[Plain; 4]; N] {
-        tables.map(|table| {
-            let mut out = [[0.0; LANES]; 4];
-            for (lane, &begin) in group.iter().enumerate() {
-                let quad = table[begin as usize / 4];
-                for (out, number) in out.iter_mut().zip(quad) {
-                    out[lane] = number;
-                }
+    fn round(self) -> Plain {
+        self.zip(self, |a, _| a.round_ties_even())
+    }
+
+    #[inline(always)]
+    fn gather(table: &Table, places: &Group) -> [Plain; 3] {
+        let (mut out, numbers) = ([[0.0; LANES]; 3], table.numbers());
+        for (lane, &place) in places.iter().enumerate() {
+            for (axis, out) in out.iter_mut().enumerate() {
+                out[lane] = numbers[2 * place as u16 as usize + axis];
             }
-            out.map(Plain)
-        })
+        }
+        out.map(Plain)
+    }
+
+    #[inline(always)]
+    fn pack([x, y, z]: [Plain; 3], fourth: &[u32; LANES]) -> [Pair; LANES] {
+        std::array::from_fn(|n| [x.0[n] as i16, y.0[n] as i16, z.0[n] as i16, fourth[n] as u16 as i16])
+    }
+
+    #[inline(always)]
+    fn whole(self) -> [u32; LANES] {
+        self.0.map(|number| number as i32 as u32)
     }
 }

@@ -135,7 +135,7 @@ impl Method {
         let world = self.world(radius);
         let bodies = Bodies::new(bodies, world.gravity)?;
         let mut boundary = Boundary::new(&world, &FluidSettings::default(), &bodies)?;
-        boundary.sample(&bodies, places);
+        boundary.sample_alone(&bodies, places);
         Ok(boundary.of_particle)
     }
 

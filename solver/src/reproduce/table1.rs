@@ -4,7 +4,6 @@
 use super::boundaries::{DENSITY_MAP, Named, PAPER_MAP, PARTICLES, VOLUME_MAP};
 use crate::bodies::Motion;
 use crate::error::Error;
-use crate::neighbours::CHUNK;
 use crate::settings::{BoundaryMethod, FluidSettings};
 use crate::simulation::{Simulation, StepReport};
 use crate::validation::flow::lattice;
@@ -143,7 +142,7 @@ impl Racer {
     /// What the solver spends to find particles in bodies, as [`crate::boundary::Boundary::sample`] does it.
     fn map_queries(&self) -> Duration {
         let start = Instant::now();
-        let chunks = self.simulation.particles().positions.par_chunks(CHUNK);
+        let chunks = self.simulation.particles().positions.par_chunks(512);
         chunks.for_each_init(Vec::new, |samples, positions| {
             for body in self.simulation.bodies().posed() {
                 body.sample_with_gradient_batch(positions, samples);
