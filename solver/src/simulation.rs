@@ -153,6 +153,11 @@ impl Simulation {
     /// # Errors
     /// [`Error::Simulation`] when what is computed is no fluid any more; the state is then of no use.
     pub fn step(&mut self) -> Result<StepReport, Error> {
+        // All on one of rayon's threads: from outside, each parallel loop would put this thread to sleep and wake it again.
+        rayon::scope(|_| self.perform())
+    }
+
+    fn perform(&mut self) -> Result<StepReport, Error> {
         self.stages.begin();
         self.body_forces.clear();
         self.body_forces.resize(self.bodies.posed().len(), [DVec3::ZERO; 2]);
