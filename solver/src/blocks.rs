@@ -1,11 +1,11 @@
 //! Blocks of cells: the particles of a small cube, which are worked on together, and those around it, which they may have as
 //! neighbours. The unit of parallel work.
 //!
-//! What a sum over neighbours reads of the particles of a block and around it is first laid side by side in a [`Table`], so that
+//! What a sum over neighbours reads of the particles of a block and around it is first laid side by side in a [table](crate::pairs::table), so that
 //! neighbours have numbers of 16 bits there and stay in the fastest cache.
 
 use crate::cells::{CELLS_OF_TILE, Cells};
-use crate::pairs::table::Table;
+use crate::pairs::table::MOST;
 use glam::IVec3;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -27,7 +27,7 @@ pub struct Block {
     pub(crate) cells: Range<usize>,
 }
 
-/// A place where more particles are near each other than a [`Table`] has room for.
+/// A place where more particles are near each other than a [table](crate::pairs::table) has room for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TooDense {
     /// One of the particles there.
@@ -67,7 +67,7 @@ fn add(cells: &Cells, first: usize, size: usize, out: &mut Vec<Block>) -> Result
         }
     }
     let around: usize = surroundings(occupied).map(|cell| cells.particles(cell).len()).sum();
-    if around <= Table::ROOM {
+    if around <= MOST {
         out.push(Block { particles, occupied, cells: first..first + size });
         return Ok(());
     }
@@ -122,7 +122,7 @@ mod tests {
         let slab: Vec<DVec3> =
             random_points(40_000, 0.4, 1).iter().map(|x| *x * DVec3::new(3.9, 1.0, 0.1)).collect();
         assert!(blocks(&slab).is_ok());
-        let clump = random_points(Table::ROOM + 1, 0.01, 1);
+        let clump = random_points(MOST + 1, 0.01, 1);
         assert!(blocks(&clump[1..]).is_ok());
         assert!(blocks(&clump).is_err());
     }

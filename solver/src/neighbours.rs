@@ -12,7 +12,8 @@ use crate::cells::Cells;
 use crate::fields::Discretization;
 use crate::pairs::kernels::{CubicSpline, KernelLanes, Poly6, Spiky, WendlandC2};
 use crate::pairs::lanes::{Lanes, Quad, Work, dispatch};
-use crate::pairs::{Density, Row, SLICE, Table, Units};
+use crate::pairs::table::{Numbers, Quads};
+use crate::pairs::{Density, Row, SLICE, Units};
 use rayon::prelude::*;
 use rows::Writer;
 use search::Search;
@@ -51,12 +52,16 @@ const ALONE: usize = 256;
 /// What a thread works with.
 #[derive(Default)]
 pub struct Workspace {
-    /// What is summed.
-    pub table: Table,
+    /// What is summed, if it is vectors.
+    pub vectors: Quads,
+    /// And if it is numbers.
+    pub numbers: Numbers,
     /// Sums of a block, with room for one particle that isn't there.
     pub sums: Vec<Quad>,
     /// The same, where there are two.
     pub more_sums: Vec<Quad>,
+    /// Sums that are numbers.
+    pub fluxes: Vec<f32>,
     search: Search,
     writer: Writer,
 }
@@ -71,6 +76,7 @@ pub fn work<T>(lists: &Lists, f: impl FnOnce(&mut Workspace) -> T) -> T {
     WORKSPACE.with_borrow_mut(|workspace| {
         workspace.sums.resize(workspace.sums.len().max(lists.count + 1), [0.0; 4]);
         workspace.more_sums.resize(workspace.sums.len(), [0.0; 4]);
+        workspace.fluxes.resize(workspace.sums.len(), 0.0);
         f(workspace)
     })
 }
@@ -238,7 +244,7 @@ impl Build<'_> {
     #[inline(always)]
     fn build<V: Lanes, K: KernelLanes>(self) {
         let Build { cells, block, places, sought, workspace, lists, out } = self;
-        let Workspace { table, search, writer, .. } = workspace;
+        let Workspace { vectors: table, search, writer, .. } = workspace;
         lists.begin(block, Units::new::<K>(sought.with), sought.bends);
         let far = search.begin(cells, block, places, lists, table);
         writer.begin();

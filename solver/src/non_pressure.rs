@@ -45,12 +45,12 @@ fn viscous(
     mut out: impl FnMut(usize, [[f32; 3]; 2]),
 ) {
     neighbours::work(lists, |workspace| {
-        workspace.table.fill(lists.table(), velocities);
+        workspace.vectors.fill(lists.table(), velocities);
         let [of_bends, means] = [&mut workspace.sums, &mut workspace.more_sums];
         if with_mean {
-            sums::bends_and_means(lists, bends, &workspace.table, [of_bends, means]);
+            sums::bends_and_means(lists, bends, &workspace.vectors, [of_bends, means]);
         } else {
-            sums::bends(lists, bends, &workspace.table, of_bends);
+            sums::bends(lists, bends, &workspace.vectors, of_bends);
         }
         let [unit, of_mean] = [lists.unit_of_bends(), lists.unit_of_means()];
         for within in 0..lists.len() {

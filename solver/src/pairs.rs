@@ -1,6 +1,6 @@
 //! Pairs of neighbours, and the sums over them: all that the solver asks of who is near whom.
 //!
-//! A pair is what one particle is to another, V grad W_ij in fixed point, and where the other's values stand in a [`Table`].
+//! A pair is what one particle is to another, V grad W_ij in fixed point, and where the other's values stand in a [table].
 //! Eight bytes: a sum reads them one after the other, and of the other particle one quad.
 //!
 //! ```text
@@ -30,7 +30,6 @@ pub(crate) mod table;
 
 use crate::fields::Discretization;
 use kernels::KernelLanes;
-pub use table::Table;
 
 /// A pair: gradient, and twice the number of the other particle in the block's table.
 pub type Pair = [i16; 4];
@@ -41,11 +40,6 @@ pub const SLICE: usize = 8;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(align(64))]
 pub struct Row(pub [Pair; SLICE]);
-
-impl Row {
-    /// Nothing, of a place that no particle has.
-    pub const NONE: Row = Row([[0, 0, 0, 1]; SLICE]);
-}
 
 /// The largest number of a pair, which rounding doesn't raise above that of 16 bits.
 const LARGEST: f32 = 32_766.0;

@@ -13,7 +13,7 @@ use crate::boundary::pressure::{Pressures, WallPressure};
 use crate::fields::{Discretization, Fields};
 use crate::neighbours::{self, Lists, Neighbours};
 use crate::pairs::lanes::Quad;
-use crate::pairs::sums;
+use crate::pairs::sums::{self, Room};
 use crate::response::Response;
 use crate::settings::SolveSettings;
 use rayon::prelude::*;
@@ -127,14 +127,10 @@ impl Fields {
         let (all, gradients) = (self.all_pressures(), &self.gradients);
         solve.neighbours.with(&mut accelerations).enumerate().for_each(|(block, (lists, out))| {
             neighbours::work(lists, |workspace| {
-                workspace.table.fill_with(lists.table(), all.fluid);
-                sums::gradients(lists, &workspace.table, &mut workspace.sums);
-                let own = all.fluid[lists.particles()].iter().zip(&gradients[lists.particles()]);
-                for ((out, sum), (pressure, gradient)) in out.iter_mut().zip(&workspace.sums).zip(own) {
-                    let [x, y, z] =
-                        std::array::from_fn(|axis| -(pressure * gradient[axis] + lists.unit() * sum[axis]));
-                    *out = [x, y, z, 0.0];
-                }
+                workspace.numbers.fill(lists.table(), all.fluid);
+                let own = (&all.fluid[lists.particles()], &gradients[lists.particles()]);
+                let room = Room { sums: &mut workspace.sums, out };
+                sums::accelerations(lists, &workspace.numbers, own, room);
             });
             solve.wall.accelerate(solve.boundary, (block, lists.first), all, out);
         });
@@ -161,32 +157,37 @@ impl Fields {
                         *change -= bodies;
                     }
                 }
-                let own = sources[lists.particles()].iter().zip(&steps[lists.particles()]);
-                let mut sum = 0.0;
-                for ((out, pressure), (source, step)) in
-                    out.iter_mut().zip(&pressures[lists.particles()]).zip(own)
-                {
-                    let error = source + *out;
-                    *out = (pressure + step * error).max(0.0);
-                    sum += if *step > 0.0 { f64::from(error.max(0.0)) } else { 0.0 };
-                }
-                sum
+                step_by(out, &pressures[lists.particles()], &sources[lists.particles()], &steps[lists.particles()])
             })
             .collect();
         errors.iter().sum::<f64>() * solve.dt * solve.dt / pressures.len().max(1) as f64
     }
 }
 
+/// Errors are summed up in as many parts, so that several are added at once.
+const PARTS: usize = 8;
+
+/// A Jacobi step of a block's particles: `out` has what their pressures compress, and gets the new ones. The sum of the errors.
+fn step_by(out: &mut [f32], pressures: &[f32], sources: &[f32], steps: &[f32]) -> f64 {
+    let mut sums = [0.0; PARTS];
+    let chunks = out.chunks_mut(PARTS).zip(pressures.chunks(PARTS));
+    for ((out, pressures), (sources, steps)) in chunks.zip(sources.chunks(PARTS).zip(steps.chunks(PARTS))) {
+        for n in 0..out.len() {
+            let error = sources[n] + out[n];
+            out[n] = (pressures[n] + steps[n] * error).max(0.0);
+            sums[n] += if steps[n] > 0.0 { error.max(0.0) } else { 0.0 };
+        }
+    }
+    sums.into_iter().map(f64::from).sum()
+}
+
 /// How fast a vector field compresses the particles of a block: the sum of V (u_i - u_j) . grad W_ij + u_i . grad rho_B / rho_0, which
 /// is dD/dt for a velocity among bodies at rest.
 fn flux(lists: &Lists, field: &[Quad], gradients: &[Quad], out: &mut [f32]) {
     neighbours::work(lists, |workspace| {
-        workspace.table.fill(lists.table(), field);
-        sums::gradients(lists, &workspace.table, &mut workspace.sums);
-        let own = field[lists.particles()].iter().zip(&gradients[lists.particles()]);
-        for ((out, [x, y, z, _]), (own, gradient)) in out.iter_mut().zip(&workspace.sums).zip(own) {
-            *out = dot(own, gradient) - lists.unit() * (x + y + z);
-        }
+        workspace.vectors.fill(lists.table(), field);
+        let own = (&field[lists.particles()], &gradients[lists.particles()]);
+        sums::fluxes(lists, &workspace.vectors, own, Room { sums: &mut workspace.fluxes, out });
     });
 }
 
@@ -208,8 +209,4 @@ pub struct Solve<'a> {
     pub relaxation: f32,
     /// Time step, seconds.
     pub dt: f64,
-}
-
-fn dot(a: &Quad, b: &Quad) -> f32 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }

@@ -9,7 +9,7 @@ use crate::coupling;
 use crate::error::Error;
 use crate::fields::{CHUNK, Discretization, Fields};
 use crate::neighbours::{Neighbours, Sought};
-use crate::pairs::Table;
+use crate::pairs::table::MOST;
 use crate::particles::Particles;
 use crate::plane;
 use crate::pressure::{Solve, SolveReport};
@@ -243,7 +243,7 @@ impl Simulation {
         self.stopped(format!(
             "more than {} particles are near each other at ({x:.4}, {y:.4}, {z:.4}): look for fluid that begins on top of other \
              fluid, or for one far away of the others, and give a smaller domain",
-            Table::ROOM
+            MOST
         ))
     }
 

@@ -224,8 +224,8 @@ impl ViscousSystem<'_> {
     fn subtract_laplacian(&self, lists: &Lists, field: &[Quad], factor: f32, out: &mut [Quad]) {
         let Some(bends) = lists.bends() else { return };
         neighbours::work(lists, |workspace| {
-            workspace.table.fill(lists.table(), field);
-            sums::bends(lists, bends, &workspace.table, &mut workspace.sums);
+            workspace.vectors.fill(lists.table(), field);
+            sums::bends(lists, bends, &workspace.vectors, &mut workspace.sums);
             for (out, sum) in out.iter_mut().zip(&workspace.sums) {
                 for axis in 0..3 {
                     out[axis] -= factor * lists.unit_of_bends() * sum[axis];

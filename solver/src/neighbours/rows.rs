@@ -5,7 +5,8 @@ use super::Lists;
 use super::search::Near;
 use crate::pairs::kernels::{KernelLanes, SMALL};
 use crate::pairs::lanes::{Group, LANES, Lanes, Quad};
-use crate::pairs::{Density, Row, SLICE, Table, Units};
+use crate::pairs::table::{MOST, Quads};
+use crate::pairs::{Density, Row, SLICE, Units};
 
 /// Particles among which those of a slice are chosen: some that have as many neighbours.
 const WINDOW: usize = 64;
@@ -54,7 +55,7 @@ impl Writer {
     #[inline(always)]
     pub fn write<V: Lanes, K: KernelLanes>(
         &mut self,
-        table: &Table,
+        table: &Quads,
         far: usize,
         lists: &mut Lists,
         out: &mut [Density],
@@ -67,7 +68,7 @@ impl Writer {
             for (particle, number) in particles.iter_mut().zip(slice) {
                 *particle = self.first + number;
             }
-            let mut sums = Slice::<V>::new(particles.map(|particle| table.quads()[particle]));
+            let mut sums = Slice::<V>::new(particles.map(|particle| table.values()[particle]));
             for places in &self.turned {
                 sums.add::<K>(table, places, lists);
             }
@@ -105,7 +106,7 @@ impl Writer {
     fn order<'a>(&self, order: &'a mut [usize; WINDOW]) -> &'a [usize] {
         let order = &mut order[..self.starts.len() - 1];
         for (number, key) in order.iter_mut().enumerate() {
-            *key = (Table::ROOM - self.list(number).len()) * WINDOW + number;
+            *key = (MOST - self.list(number).len()) * WINDOW + number;
         }
         order.sort_unstable();
         for key in &mut *order {
@@ -135,7 +136,7 @@ impl<V: Lanes> Slice<V> {
 
     /// Adds a neighbour of each particle.
     #[inline(always)]
-    fn add<K: KernelLanes>(&mut self, table: &Table, places: &Group, lists: &mut Lists) {
+    fn add<K: KernelLanes>(&mut self, table: &Quads, places: &Group, lists: &mut Lists) {
         let [x, y, z] = V::gather(table, places);
         let (x, y, z) = (self.at[0] - x, self.at[1] - y, self.at[2] - z);
         let square = (x * x + y * y) + z * z;

@@ -4,8 +4,8 @@
 use super::Lists;
 use crate::blocks::{Block, surroundings};
 use crate::cells::Cells;
-use crate::pairs::Table;
 use crate::pairs::lanes::{LANES, Lanes, Quad};
+use crate::pairs::table::Quads;
 use glam::IVec3;
 use std::ops::Range;
 
@@ -42,7 +42,7 @@ impl Search {
         block: &Block,
         places: &[Quad],
         lists: &mut Lists,
-        table: &mut Table,
+        table: &mut Quads,
     ) -> usize {
         let [min, max] = block.occupied;
         (self.corner, self.size) = (min - 1, max - min + 3);
@@ -71,7 +71,7 @@ impl Search {
         }
         let count = table.fill(&lists.table, places);
         table.set(count, [FAR, FAR, FAR, 0.0]);
-        self.turn(&table.quads()[..count]);
+        self.turn(&table.values()[..count]);
         self.next[0] = 0;
         count
     }

@@ -6,7 +6,7 @@
 #![allow(unsafe_code)]
 
 use super::lanes::{Group, LANES, Lanes, Quad, Work};
-use super::table::{QUADS, Table};
+use super::table::{Numbers, Quads, ROOM};
 use super::{Pair, Row, SLICE};
 use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Sub};
@@ -103,7 +103,7 @@ impl Lanes for Avx {
     }
 
     #[inline(always)]
-    fn gather(table: &Table, places: &Group) -> [Avx; 3] {
+    fn gather(table: &Quads, places: &Group) -> [Avx; 3] {
         let place = |lane: usize| place(&places[lane]);
         let [x, y, z, _] = transpose(
             two(table, place(0), place(4)),
@@ -140,7 +140,7 @@ impl Lanes for Avx {
     }
 
     #[inline(always)]
-    fn sum_of_rows(rows: &[Row], table: &Table) -> [Quad; SLICE] {
+    fn sum_of_rows(rows: &[Row], table: &Quads) -> [Quad; SLICE] {
         // SAFETY: see the top of the file.
         unsafe {
             let mut sums = [_mm256_setzero_ps(); SLICE / 2];
@@ -155,10 +155,43 @@ impl Lanes for Avx {
     }
 
     #[inline(always)]
+    fn sum_of_scaled_rows(rows: &[Row], table: &Numbers) -> [Quad; SLICE] {
+        // SAFETY: see the top of the file.
+        unsafe {
+            let mut sums = [_mm256_setzero_ps(); SLICE / 2];
+            for row in rows {
+                for (n, sum) in sums.iter_mut().enumerate() {
+                    let of = two_numbers(table, place(&row.0[2 * n][3]), place(&row.0[2 * n + 1][3]));
+                    *sum = _mm256_add_ps(*sum, _mm256_mul_ps(numbers(row, n), of));
+                }
+            }
+            quads(sums)
+        }
+    }
+
+    #[inline(always)]
+    fn across(quads: [Quad; SLICE]) -> [f32; SLICE] {
+        // SAFETY: eight quads are 32 numbers.
+        unsafe {
+            let from = quads.as_ptr().cast::<f32>();
+            let (a, b) = (_mm256_loadu_ps(from), _mm256_loadu_ps(from.add(8)));
+            let (c, d) = (_mm256_loadu_ps(from.add(16)), _mm256_loadu_ps(from.add(24)));
+            // Of one half each: first, third, fifth, seventh; and the others.
+            let [x, y, z, _] = transpose(a, b, c, d);
+            let sums = ((x + y) + z).0;
+            let (even, odd) = (_mm256_castps256_ps128(sums), _mm256_extractf128_ps::<1>(sums));
+            let mut out = [0.0; SLICE];
+            _mm_storeu_ps(out.as_mut_ptr(), _mm_unpacklo_ps(even, odd));
+            _mm_storeu_ps(out.as_mut_ptr().add(4), _mm_unpackhi_ps(even, odd));
+            out
+        }
+    }
+
+    #[inline(always)]
     fn sum_of_bends<const MEAN: bool>(
         rows: &[Row],
         bends: &[Row],
-        table: &Table,
+        table: &Quads,
         own: [Quad; SLICE],
     ) -> [[Quad; SLICE]; 2] {
         // SAFETY: see the top of the file.
@@ -228,13 +261,26 @@ fn place<T>(number: &T) -> u16 {
 
 /// The quads at two places.
 #[inline(always)]
-fn two(table: &Table, low: u16, high: u16) -> __m256 {
-    let numbers = table.numbers();
-    const { assert!(2 * u16::MAX as usize + 4 <= QUADS * 4) };
-    // SAFETY: the table has the quad of every place, see above.
+fn two(table: &Quads, low: u16, high: u16) -> __m256 {
+    const { assert!(4 * (u16::MAX as usize + 2) <= 8 * ROOM) };
+    let numbers = table.values().as_ptr().cast::<f32>();
+    // SAFETY: a quad that begins at half the place is in the table, see above, and at half a quad more, too.
     unsafe {
-        let quad = |place: u16| _mm_loadu_ps(numbers.as_ptr().add(2 * usize::from(place)));
+        let quad = |place: u16| _mm_loadu_ps(numbers.add(2 * usize::from(place)));
         _mm256_insertf128_ps::<1>(_mm256_castps128_ps256(quad(low)), quad(high))
+    }
+}
+
+/// The numbers at two places, four times each.
+#[inline(always)]
+fn two_numbers(table: &Numbers, low: u16, high: u16) -> __m256 {
+    const { assert!(2 * (u16::MAX as usize + 2) <= 4 * ROOM) };
+    let bytes = table.values().as_ptr().cast::<u8>();
+    // SAFETY: a number that begins at twice the place, in bytes, is in the table, see above, and two bytes behind it, too.
+    unsafe {
+        let [low, high] = [bytes.add(2 * usize::from(low)), bytes.add(2 * usize::from(high))];
+        let [low, high] = [low.cast::<f32>().read_unaligned(), high.cast::<f32>().read_unaligned()];
+        _mm256_blend_ps::<0xf0>(_mm256_set1_ps(low), _mm256_set1_ps(high))
     }
 }
 

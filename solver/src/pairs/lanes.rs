@@ -3,7 +3,7 @@
 //! Every operation is that of IEEE 754 on each number, nothing is fused, estimated or reordered: so whatever does it
 //! ([`Plain`], `avx2.rs`), the bits are the same.
 
-use super::table::Table;
+use super::table::{Numbers, Quads};
 use super::{Pair, Row, SLICE};
 use std::ops::{Add, Div, Mul, Sub};
 
@@ -13,7 +13,7 @@ pub const LANES: usize = 8;
 /// Four numbers of a particle, which are read together: a place and one more, or a vector.
 pub type Quad = [f32; 4];
 
-/// Places of eight particles in a [`Table`], in the lower 16 bits of each.
+/// Places of eight particles in a [table](super::table), twice their numbers there, in the lower 16 bits of each.
 pub type Group = [u32; LANES];
 
 /// One number for each of eight pairs.
@@ -31,7 +31,7 @@ pub(crate) trait Lanes:
     /// The nearest whole number, the even one of two.
     fn round(self) -> Self;
     /// The first three numbers of the quads at these places, turned.
-    fn gather(table: &Table, places: &Group) -> [Self; 3];
+    fn gather(table: &Quads, places: &Group) -> [Self; 3];
     /// Pairs of whole numbers of 16 bits, and places.
     fn pack(vector: [Self; 3], fourth: &[u32; LANES]) -> [Pair; LANES];
     /// The whole numbers, as they are.
@@ -39,17 +39,38 @@ pub(crate) trait Lanes:
 
     /// For each particle of a slice, the sum of its pairs' numbers times those of the table; of the fourth number nothing.
     #[inline(always)]
-    fn sum_of_rows(rows: &[Row], table: &Table) -> [Quad; SLICE] {
-        let (mut sums, numbers) = ([[0.0; 4]; SLICE], table.numbers());
+    fn sum_of_rows(rows: &[Row], table: &Quads) -> [Quad; SLICE] {
+        let mut sums = [[0.0; 4]; SLICE];
         for row in rows {
             for (sum, pair) in sums.iter_mut().zip(&row.0) {
-                let at = 2 * pair[3] as u16 as usize;
+                let quad = table.values()[number(pair[3] as u16)];
                 for (axis, sum) in sum.iter_mut().enumerate() {
-                    *sum += f32::from(pair[axis]) * numbers[at + axis];
+                    *sum += f32::from(pair[axis]) * quad[axis];
                 }
             }
         }
         sums
+    }
+
+    /// The same with one number of the table for all of a pair.
+    #[inline(always)]
+    fn sum_of_scaled_rows(rows: &[Row], table: &Numbers) -> [Quad; SLICE] {
+        let mut sums = [[0.0; 4]; SLICE];
+        for row in rows {
+            for (sum, pair) in sums.iter_mut().zip(&row.0) {
+                let factor = table.values()[number(pair[3] as u16)];
+                for (axis, sum) in sum.iter_mut().enumerate() {
+                    *sum += f32::from(pair[axis]) * factor;
+                }
+            }
+        }
+        sums
+    }
+
+    /// First, second and third numbers of eight quads added up.
+    #[inline(always)]
+    fn across(quads: [Quad; SLICE]) -> [f32; SLICE] {
+        quads.map(|[x, y, z, _]| (x + y) + z)
     }
 
     /// For each particle of a slice, the sum of h (h . (u_j - u_i)) of its bends h, the vectors u_j of the table and its own u_i;
@@ -58,15 +79,15 @@ pub(crate) trait Lanes:
     fn sum_of_bends<const MEAN: bool>(
         rows: &[Row],
         bends: &[Row],
-        table: &Table,
+        table: &Quads,
         own: [Quad; SLICE],
     ) -> [[Quad; SLICE]; 2] {
-        let (mut sums, mut means, numbers) = ([[0.0; 4]; SLICE], [[0.0; 4]; SLICE], table.numbers());
+        let (mut sums, mut means) = ([[0.0; 4]; SLICE], [[0.0; 4]; SLICE]);
         for (row, bend) in rows.iter().zip(bends) {
             for lane in 0..SLICE {
-                let at = 2 * row.0[lane][3] as u16 as usize;
+                let of = table.values()[number(row.0[lane][3] as u16)];
                 let h = bend.0[lane].map(f32::from);
-                let apart: Quad = std::array::from_fn(|axis| numbers[at + axis] - own[lane][axis]);
+                let apart: Quad = std::array::from_fn(|axis| of[axis] - own[lane][axis]);
                 let p: Quad = std::array::from_fn(|axis| h[axis] * apart[axis]);
                 let product = (p[0] + p[1]) + (p[2] + p[3]);
                 for axis in 0..4 {
@@ -91,6 +112,12 @@ pub(crate) trait Lanes:
         }
         out
     }
+}
+
+/// The number of the particle at a place.
+#[inline(always)]
+fn number(place: u16) -> usize {
+    usize::from(place) / 2
 }
 
 /// What can be done with any [`Lanes`].
@@ -192,11 +219,11 @@ impl Lanes for Plain {
     }
 
     #[inline(always)]
-    fn gather(table: &Table, places: &Group) -> [Plain; 3] {
-        let (mut out, numbers) = ([[0.0; LANES]; 3], table.numbers());
+    fn gather(table: &Quads, places: &Group) -> [Plain; 3] {
+        let mut out = [[0.0; LANES]; 3];
         for (lane, &place) in places.iter().enumerate() {
             for (axis, out) in out.iter_mut().enumerate() {
-                out[lane] = numbers[2 * place as u16 as usize + axis];
+                out[lane] = table.values()[number(place as u16)][axis];
             }
         }
         out.map(Plain)

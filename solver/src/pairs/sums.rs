@@ -1,25 +1,36 @@
-//! The sums over the neighbours of a block's particles. Each takes a [`Table`] of what is summed, and writes a quad for each
-//! particle, of which three numbers count; `out` has one more.
+//! The sums over the neighbours of a block's particles. Each takes a [table](super::table) of what is summed.
 
 use super::lanes::{Lanes, Quad, Work, dispatch};
-use super::table::Table;
+use super::table::{Numbers, Quads};
 use super::{Row, SLICE, Symmetric};
 use crate::neighbours::Lists;
 
-/// The sum of q V grad W_ij, number by number, for the quads q of the table; in numbers of pairs, see
-/// [`Lists::unit`].
-pub fn gradients(lists: &Lists, table: &Table, out: &mut [Quad]) {
-    dispatch(Gradients { lists, table, out });
+/// -(P_i grad D_i + the sum of P_j V grad W_ij), for the pressures P of the table, those of the block's particles and their
+/// gradients of the density.
+pub fn accelerations(lists: &Lists, table: &Numbers, (pressures, gradients): (&[f32], &[Quad]), work: Room<Quad>) {
+    dispatch(Accelerations { lists, table, pressures, gradients, work });
+}
+
+/// u_i . grad D_i - the sum of u_j . V grad W_ij, for the vectors u of the table, those of the block's particles and their
+/// gradients of the density.
+pub fn fluxes(lists: &Lists, table: &Quads, (own, gradients): (&[Quad], &[Quad]), work: Room<f32>) {
+    dispatch(Fluxes { lists, table, own, gradients, work });
+}
+
+/// Where sums go: room for one more than particles are, in which they come slice by slice, and the results.
+pub struct Room<'a, T> {
+    pub sums: &'a mut [T],
+    pub out: &'a mut [T],
 }
 
 /// The sum of h (h . (u_j - u_i)), for the vectors u of the table and the bends h; in numbers of bends, see
-/// [`Lists::unit_of_bends`].
-pub fn bends(lists: &Lists, bends: &[Row], table: &Table, out: &mut [Quad]) {
+/// [`Lists::unit_of_bends`]. `out` has one more than particles are.
+pub fn bends(lists: &Lists, bends: &[Row], table: &Quads, out: &mut [Quad]) {
     dispatch(OfBends::<false> { lists, bends, table, out: [out, &mut []] });
 }
 
 /// The same, and the sum of W (u_j - u_i), see [`Lists::unit_of_means`].
-pub fn bends_and_means(lists: &Lists, bends: &[Row], table: &Table, out: [&mut [Quad]; 2]) {
+pub fn bends_and_means(lists: &Lists, bends: &[Row], table: &Quads, out: [&mut [Quad]; 2]) {
     dispatch(OfBends::<true> { lists, bends, table, out });
 }
 
@@ -43,19 +54,61 @@ pub fn squares_of_bends(lists: &Lists, bends: &[Row], out: &mut [Symmetric]) {
     }
 }
 
-pub(super) struct Gradients<'a> {
+pub(super) struct Accelerations<'a> {
     pub lists: &'a Lists,
-    pub table: &'a Table,
-    pub out: &'a mut [Quad],
+    pub table: &'a Numbers,
+    pub pressures: &'a [f32],
+    pub gradients: &'a [Quad],
+    pub work: Room<'a, Quad>,
 }
 
-impl Work for Gradients<'_> {
+impl Work for Accelerations<'_> {
     #[inline(always)]
     fn run<V: Lanes>(self) {
+        let Room { sums, out } = self.work;
         for (particles, rows) in self.lists.slices() {
-            let sums = V::sum_of_rows(&self.lists.rows()[rows], self.table);
-            for (&particle, sum) in particles.iter().zip(sums) {
-                self.out[usize::from(particle)] = sum;
+            let of_slice = V::sum_of_scaled_rows(&self.lists.rows()[rows], self.table);
+            for (&particle, sum) in particles.iter().zip(of_slice) {
+                sums[usize::from(particle)] = sum;
+            }
+        }
+        let unit = self.lists.unit();
+        let own = self.pressures.iter().zip(self.gradients);
+        for ((out, sum), (pressure, gradient)) in out.iter_mut().zip(sums).zip(own) {
+            // All four at once; the last is none.
+            let all: Quad = std::array::from_fn(|n| -(pressure * gradient[n] + unit * sum[n]));
+            *out = [all[0], all[1], all[2], 0.0];
+        }
+    }
+}
+
+pub(super) struct Fluxes<'a> {
+    pub lists: &'a Lists,
+    pub table: &'a Quads,
+    pub own: &'a [Quad],
+    pub gradients: &'a [Quad],
+    pub work: Room<'a, f32>,
+}
+
+impl Work for Fluxes<'_> {
+    #[inline(always)]
+    fn run<V: Lanes>(self) {
+        let Room { sums, out } = self.work;
+        for (particles, rows) in self.lists.slices() {
+            let of_slice = V::across(V::sum_of_rows(&self.lists.rows()[rows], self.table));
+            for (&particle, sum) in particles.iter().zip(of_slice) {
+                sums[usize::from(particle)] = sum;
+            }
+        }
+        let unit = self.lists.unit();
+        let own = self.own.chunks(SLICE).zip(self.gradients.chunks(SLICE));
+        for ((out, sums), (own, gradients)) in out.chunks_mut(SLICE).zip(sums.chunks(SLICE)).zip(own) {
+            let mut products = [[0.0; 4]; SLICE];
+            for (product, (own, gradient)) in products.iter_mut().zip(own.iter().zip(gradients)) {
+                *product = std::array::from_fn(|n| own[n] * gradient[n]);
+            }
+            for (out, (own, sum)) in out.iter_mut().zip(V::across(products).iter().zip(sums)) {
+                *out = own - unit * sum;
             }
         }
     }
@@ -64,7 +117,7 @@ impl Work for Gradients<'_> {
 pub(super) struct OfBends<'a, const MEAN: bool> {
     pub lists: &'a Lists,
     pub bends: &'a [Row],
-    pub table: &'a Table,
+    pub table: &'a Quads,
     pub out: [&'a mut [Quad]; 2],
 }
 
@@ -73,7 +126,7 @@ impl<const MEAN: bool> Work for OfBends<'_, MEAN> {
     fn run<V: Lanes>(self) {
         let [out, means] = self.out;
         for (particles, rows) in self.lists.slices() {
-            let own = particles.map(|particle| self.table.quads()[usize::from(particle)]);
+            let own = particles.map(|particle| self.table.values()[usize::from(particle)]);
             let (pairs, bends) = (&self.lists.rows()[rows.clone()], &self.bends[rows]);
             let [sums, of_values] = V::sum_of_bends::<MEAN>(pairs, bends, self.table, own);
             for (lane, &particle) in particles.iter().enumerate() {

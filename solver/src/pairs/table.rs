@@ -1,68 +1,67 @@
-//! What a sum over neighbours reads of them, side by side: one quad for each particle of a block and around it.
+//! What a sum over neighbours reads of them, side by side: one quad or number for each particle of a block and around it, and one
+//! that is zero for pairs of nobody.
 
 use super::lanes::Quad;
 use std::ops::Range;
 
-/// Quads, and one more: a quad begins at every even number of 16 bits, times 8 bytes, and ends within the table at every odd
-/// one. So whatever a [`super::Pair`] says is in it.
-pub(super) const QUADS: usize = (1 << 15) + 1;
+/// As many as 16 bits can tell even numbers, and one more: a [`super::Pair`] has twice the number of a particle in the table, so
+/// that whatever it says is in it.
+pub(super) const ROOM: usize = (1 << 15) + 1;
+/// Particles at most, one that isn't there besides.
+pub const MOST: usize = ROOM - 2;
 
-/// Quads of a block's particles, then of those around it. Some 500 kB, of which few are touched.
+/// Values of a block's particles, then of those around it. Of its room little is touched.
 #[derive(Clone, Debug)]
-pub struct Table {
-    quads: Box<[Quad; QUADS]>,
+pub struct Table<T> {
+    values: Box<[T; ROOM]>,
 }
 
-impl Default for Table {
-    fn default() -> Table {
-        let quads = vec![[0.0; 4]; QUADS].into_boxed_slice();
-        Table { quads: quads.try_into().expect("as many as that") }
+impl<T: Copy + Default + std::fmt::Debug> Default for Table<T> {
+    fn default() -> Table<T> {
+        let values = vec![T::default(); ROOM].into_boxed_slice();
+        Table { values: values.try_into().expect("as many as that") }
     }
 }
 
-impl Table {
-    /// Particles that it has room for, one that is far from all besides.
-    pub const ROOM: usize = QUADS - 2;
+/// Values that are copied at once: of most ranges that is all, and what is too much the next range overwrites.
+const AT_ONCE: usize = 8;
 
-    /// Takes the quads of particles in these ranges; how many they are.
-    #[inline]
-    pub(crate) fn fill(&mut self, ranges: &[Range<u32>], field: &[Quad]) -> usize {
+impl<T: Copy + Default> Table<T> {
+    /// Takes the values of the particles in these ranges, which must not be more than [`MOST`]; how many they are.
+    #[inline(always)]
+    pub(crate) fn fill(&mut self, ranges: &[Range<u32>], values: &[T]) -> usize {
         let mut end = 0;
         for range in ranges {
-            let from = &field[range.start as usize..range.end as usize];
-            self.quads[end..end + from.len()].copy_from_slice(from);
-            end += from.len();
+            let (first, count) = (range.start as usize, range.len());
+            for begin in (0..count).step_by(AT_ONCE) {
+                let from = values[first + begin..].first_chunk::<AT_ONCE>();
+                match (from, self.values[end + begin..].first_chunk_mut::<AT_ONCE>()) {
+                    (Some(from), Some(to)) => *to = *from,
+                    _ => {
+                        let rest = begin..count.min(begin + AT_ONCE);
+                        self.values[end + rest.start..end + rest.end]
+                            .copy_from_slice(&values[first + rest.start..first + rest.end]);
+                    }
+                }
+            }
+            end += count;
         }
+        self.values[end] = T::default();
         end
     }
 
-    /// The same of numbers, each four times.
-    #[inline]
-    pub(crate) fn fill_with(&mut self, ranges: &[Range<u32>], numbers: &[f32]) {
-        let mut rest = &mut self.quads[..];
-        for range in ranges {
-            let from = &numbers[range.start as usize..range.end as usize];
-            let (to, behind) = rest.split_at_mut(from.len());
-            for (to, from) in to.iter_mut().zip(from) {
-                *to = [*from; 4];
-            }
-            rest = behind;
-        }
+    pub(crate) fn set(&mut self, number: usize, value: T) {
+        self.values[number] = value;
     }
 
-    pub(crate) fn set(&mut self, local: usize, quad: Quad) {
-        self.quads[local] = quad;
-    }
-
-    /// The quads, of which the first are filled.
+    /// The values, of which the first are filled.
     #[inline(always)]
-    pub(crate) fn quads(&self) -> &[Quad; QUADS] {
-        &self.quads
-    }
-
-    /// All numbers; from each `2 * place`, a quad.
-    #[inline(always)]
-    pub(crate) fn numbers(&self) -> &[f32; 4 * QUADS] {
-        self.quads.as_flattened().try_into().expect("as many as that")
+    pub(crate) fn values(&self) -> &[T; ROOM] {
+        &self.values
     }
 }
+
+/// A table of quads.
+pub type Quads = Table<Quad>;
+/// A table of numbers.
+pub type Numbers = Table<f32>;

@@ -2,6 +2,8 @@
 
 use super::kernels::{CubicSpline, Poly6, SMALL, Spiky, WendlandC2};
 use super::lanes::{LANES, Lanes, Plain, Quad, Work};
+use super::sums::Room;
+use super::table::{Numbers, Quads};
 use super::*;
 use crate::fields::Discretization;
 use crate::neighbours::tests::{Arranged, arrange_with, listed, random, random_points};
@@ -66,38 +68,45 @@ impl Fluid {
         self.neighbours.lists().iter().flat_map(block).collect()
     }
 
+    /// grad D of a block's particles.
+    fn gradients(&self, lists: &Lists) -> Vec<Quad> {
+        let quad = |density: &Density| [density.gradient[0], density.gradient[1], density.gradient[2], 0.0];
+        self.densities[lists.particles()].iter().map(quad).collect()
+    }
+
     /// The sum of -V (P_i + P_j) grad W_ij.
     fn accelerations(&self) -> Vec<DVec3> {
-        let sum = |lists: &Lists, workspace: &mut neighbours::Workspace| {
-            workspace.table.fill_with(lists.table(), &self.pressures);
-            sums::gradients(lists, &workspace.table, &mut workspace.sums);
+        let block = |lists: &Lists| {
+            let (mut table, gradients) = (Numbers::default(), self.gradients(lists));
+            let (mut sums, mut out) = (vec![[0.0; 4]; lists.len() + 1], vec![[1.0; 4]; lists.len()]);
+            table.fill(lists.table(), &self.pressures);
+            let own = (&self.pressures[lists.particles()], &gradients[..]);
+            sums::accelerations(lists, &table, own, Room { sums: &mut sums, out: &mut out });
+            assert!(out.iter().all(|quad| quad[3] == 0.0));
+            out.into_iter().map(vector3).collect::<Vec<_>>()
         };
-        self.all(sum, |lists, within, own, workspace| {
-            let others = lists.unit() * vector3(workspace.sums[within]).as_vec3();
-            let [x, y, z] = self.densities[own].gradient;
-            -(f64::from(self.pressures[own]) * vector([x, y, z]) + others.as_dvec3())
-        })
+        self.neighbours.lists().iter().flat_map(block).collect()
     }
 
     /// The sum of V (v_i - v_j) . grad W_ij.
     fn fluxes(&self) -> Vec<f64> {
-        let sum = |lists: &Lists, workspace: &mut neighbours::Workspace| {
-            workspace.table.fill(lists.table(), &self.velocities);
-            sums::gradients(lists, &workspace.table, &mut workspace.sums);
+        let block = |lists: &Lists| {
+            let (mut table, gradients) = (Quads::default(), self.gradients(lists));
+            let (mut sums, mut out) = (vec![0.0; lists.len() + 1], vec![0.0; lists.len()]);
+            table.fill(lists.table(), &self.velocities);
+            let own = (&self.velocities[lists.particles()], &gradients[..]);
+            sums::fluxes(lists, &table, own, Room { sums: &mut sums, out: &mut out });
+            out.into_iter().map(f64::from).collect::<Vec<_>>()
         };
-        self.all(sum, |lists, within, own, workspace| {
-            let sum = vector3(workspace.sums[within]);
-            let own = self.velocity(own).dot(vector(self.densities[own].gradient));
-            own - f64::from(lists.unit()) * (sum.x + sum.y + sum.z)
-        })
+        self.neighbours.lists().iter().flat_map(block).collect()
     }
 
     /// Laplacian of the velocities, and the sum of -V W (v_i - v_j).
     fn viscous(&self) -> [Vec<DVec3>; 2] {
         let sum = |lists: &Lists, workspace: &mut neighbours::Workspace| {
-            workspace.table.fill(lists.table(), &self.velocities);
+            workspace.vectors.fill(lists.table(), &self.velocities);
             let out = [&mut workspace.sums[..], &mut workspace.more_sums[..]];
-            sums::bends_and_means(lists, lists.bends().unwrap(), &workspace.table, out);
+            sums::bends_and_means(lists, lists.bends().unwrap(), &workspace.vectors, out);
         };
         let both = self.all(sum, |lists, within, _, workspace| {
             let [laplacian, mean] =
@@ -293,27 +302,34 @@ fn all_lanes_give_the_same_bits() {
         assert!(densities == fluid.densities, "densities {kernel}");
         for (lists, plain) in fluid.neighbours.lists().iter().zip(plain.lists()) {
             assert!(lists == plain, "lists {kernel}");
-            let (mut table, mut out) = (Table::default(), [[0; 4], [1; 4], [2; 4]].map(|_| Vec::new()));
+            let (mut table, mut numbers) = (Quads::default(), Numbers::default());
             table.fill(lists.table(), &fluid.velocities);
-            out.iter_mut().for_each(|out| out.resize(lists.len() + 1, [0.0; 4]));
-            let mut same = out.clone();
+            numbers.fill(lists.table(), &fluid.pressures);
+            let quads = || [vec![[0.0; 4]; lists.len() + 1], vec![[0.0; 4]; lists.len() + 1]];
+            let ([mut a, mut b], [mut c, mut d]) = (quads(), quads());
+            let gradients = &fluid.gradients(lists)[..];
+            let (own, pressures) =
+                (&fluid.velocities[lists.particles()], &fluid.pressures[lists.particles()]);
+            let count = lists.len();
+            sums::accelerations(lists, &numbers, (pressures, gradients), Room { sums: &mut a, out: &mut b[..count] });
+            let work = Room { sums: &mut c[..], out: &mut d[..count] };
+            sums::Accelerations { lists, table: &numbers, pressures, gradients, work }.run::<Plain>();
+            assert!(b == d, "accelerations {kernel}");
+            let [mut room, mut fluxes, mut same] = [(); 3].map(|()| vec![0.0; count + 1]);
+            let work = Room { sums: &mut room[..], out: &mut fluxes[..count] };
+            sums::fluxes(lists, &table, (own, gradients), work);
+            let work = Room { sums: &mut room[..], out: &mut same[..count] };
+            sums::Fluxes { lists, table: &table, own, gradients, work }.run::<Plain>();
+            assert!(fluxes == same, "fluxes {kernel}");
             let bends = lists.bends().unwrap();
-            let [a, b, c] = &mut out;
-            sums::gradients(lists, &table, a);
-            sums::bends_and_means(lists, bends, &table, [b, c]);
-            let [a, b, c] = &mut same;
-            sums::Gradients { lists, table: &table, out: a }.run::<Plain>();
-            sums::OfBends::<true> { lists, bends, table: &table, out: [b, c] }.run::<Plain>();
-            // Of the fourth number nothing is said, and of the particle that isn't there.
-            for (out, same) in out.iter().zip(&same) {
-                let first = |quads: &[Quad]| {
-                    quads[..lists.len()].iter().map(|q| [q[0], q[1], q[2]]).collect::<Vec<_>>()
-                };
-                assert!(first(out) == first(same), "sums {kernel}");
-            }
-            let mut alone = vec![[0.0; 4]; lists.len() + 1];
-            sums::bends(lists, bends, &table, &mut alone);
-            assert!(alone[..lists.len()] == out[1][..lists.len()], "sums alone {kernel}");
+            sums::bends_and_means(lists, bends, &table, [&mut a, &mut b]);
+            sums::OfBends::<true> { lists, bends, table: &table, out: [&mut c, &mut d] }.run::<Plain>();
+            // Of the fourth number nothing is said.
+            let first =
+                |quads: &[Quad]| quads[..count].iter().map(|q| [q[0], q[1], q[2]]).collect::<Vec<_>>();
+            assert!(first(&a) == first(&c) && first(&b) == first(&d), "viscosity {kernel}");
+            sums::bends(lists, bends, &table, &mut d);
+            assert!(first(&a) == first(&d), "viscosity alone {kernel}");
         }
     }
 }
