@@ -45,6 +45,8 @@ pub struct Fields {
     /// alpha of Band et al. 2018, Algorithm 1, of the other sign: by how much P lowers what compresses its own
     /// particle, 1/m^2.
     pub factors: Vec<f32>,
+    /// The bodies' velocities times the boundary's gradients, 1/s.
+    pub(crate) wall_rates: Vec<f32>,
     /// What is to be cancelled: the density's error or the velocity's divergence, 1/s^2.
     pub(crate) sources: Vec<f32>,
     /// Relaxation / factor; 0 where a particle takes no part.
@@ -93,6 +95,8 @@ impl Fields {
         self.densities.resize(self.len(), 0.0);
         self.factors.resize(self.len(), 0.0);
         self.gradients.resize(self.len(), [0.0; 4]);
+        self.wall_rates.clear();
+        self.wall_rates.extend(boundary.of_particle.iter().map(|wall| wall.flux));
         let out = self.densities.par_iter_mut().zip(&mut self.factors).zip(&mut self.gradients);
         let of = self.neighbourhoods.par_iter().zip(&boundary.of_particle);
         out.zip(of).with_min_len(CHUNK).for_each(|(((density, factor), gradient), (fluid, wall))| {

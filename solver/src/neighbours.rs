@@ -10,16 +10,15 @@ mod search;
 use crate::blocks::{self, Block, TooDense};
 use crate::cells::Cells;
 use crate::fields::Discretization;
-use crate::pairs::kernels::{CubicSpline, KernelLanes, Poly6, Spiky, WendlandC2};
-use crate::pairs::lanes::{Lanes, Quad, Work, dispatch};
+use crate::pairs::kernels::KernelLanes;
+use crate::pairs::lanes::{Lanes, Quad, dispatch};
 use crate::pairs::table::{Numbers, Quads};
-use crate::pairs::{Density, Row, SLICE, Units};
+use crate::pairs::{Density, Row, SLICE, Units, WithKernel, WorkOfKernel};
 use rayon::prelude::*;
 use rows::Writer;
 use search::Search;
 use std::cell::RefCell;
 use std::ops::Range;
-use volmap_runtime::KernelKind;
 
 /// The neighbours of all particles, block by block.
 #[derive(Clone, Debug, Default)]
@@ -42,7 +41,7 @@ pub struct Lists {
     rows: Vec<Row>,
     units: Units,
     pairs: usize,
-    /// As the rows, bends; none where there is no viscosity.
+    /// As the rows, bends; none where there is no implicit viscosity.
     bends: Option<Vec<Row>>,
 }
 
@@ -54,14 +53,16 @@ const ALONE: usize = 256;
 pub struct Workspace {
     /// What is summed, if it is vectors.
     pub vectors: Quads,
-    /// And if it is numbers.
+    /// Where it is, if that is asked for.
+    pub places: Quads,
+    /// What is summed, if it is numbers.
     pub numbers: Numbers,
     /// Sums of a block, with room for one particle that isn't there.
     pub sums: Vec<Quad>,
-    /// The same, where there are two.
-    pub more_sums: Vec<Quad>,
     /// Sums that are numbers.
     pub fluxes: Vec<f32>,
+    /// What explicit viscosity makes.
+    pub viscous: Vec<[[f32; 3]; 2]>,
     search: Search,
     writer: Writer,
 }
@@ -75,8 +76,8 @@ thread_local! {
 pub fn work<T>(lists: &Lists, f: impl FnOnce(&mut Workspace) -> T) -> T {
     WORKSPACE.with_borrow_mut(|workspace| {
         workspace.sums.resize(workspace.sums.len().max(lists.count + 1), [0.0; 4]);
-        workspace.more_sums.resize(workspace.sums.len(), [0.0; 4]);
         workspace.fluxes.resize(workspace.sums.len(), 0.0);
+        workspace.viscous.resize(workspace.sums.len(), [[0.0; 3]; 2]);
         f(workspace)
     })
 }
@@ -111,7 +112,8 @@ impl Neighbours {
         let all = self.lists.par_iter_mut().zip(&self.blocks).zip(out);
         all.for_each(|((lists, block), out)| {
             WORKSPACE.with_borrow_mut(|workspace| {
-                dispatch(Build { cells, block, places, sought, workspace, lists, out });
+                let work = Build { cells, block, places, sought, workspace, lists, out };
+                dispatch(WithKernel { kernel: sought.with.kernel, work });
             });
         });
         Ok(())
@@ -178,7 +180,7 @@ impl Lists {
         self.units.of_pair
     }
 
-    /// What viscosity asks of pairs, if it was asked for: rows of bends and W, instead of gradients and places. With the bend
+    /// What implicit viscosity asks of pairs, if it was asked for: rows of bends instead of gradients. With the bend
     /// h = x_ij (k |W'| / |x| / (x^2 + 0.01 r^2))^1/2 the Laplacian by Eq. 16 of Bender et al. 2020 (Monaghan 2005) of a field u is
     /// the sum of h (h . (u_j - u_i)).
     pub fn bends(&self) -> Option<&[Row]> {
@@ -188,11 +190,6 @@ impl Lists {
     /// What products of two bends become a Laplacian by, 1/m^2.
     pub fn unit_of_bends(&self) -> f32 {
         self.units.of_bend
-    }
-
-    /// What W of a bend becomes V W by.
-    pub fn unit_of_means(&self) -> f32 {
-        self.units.of_value
     }
 
     /// The particles of each slice by their numbers in the block, and its rows.
@@ -228,21 +225,9 @@ struct Build<'a> {
     out: &'a mut [Density],
 }
 
-impl Work for Build<'_> {
+impl WorkOfKernel for Build<'_> {
     #[inline(always)]
-    fn run<V: Lanes>(self) {
-        match self.sought.with.kernel {
-            KernelKind::CubicSpline => self.build::<V, CubicSpline>(),
-            KernelKind::WendlandC2 => self.build::<V, WendlandC2>(),
-            KernelKind::Spiky => self.build::<V, Spiky>(),
-            KernelKind::Poly6 => self.build::<V, Poly6>(),
-        }
-    }
-}
-
-impl Build<'_> {
-    #[inline(always)]
-    fn build<V: Lanes, K: KernelLanes>(self) {
+    fn run<V: Lanes, K: KernelLanes>(self) {
         let Build { cells, block, places, sought, workspace, lists, out } = self;
         let Workspace { vectors: table, search, writer, .. } = workspace;
         lists.begin(block, Units::new::<K>(sought.with), sought.bends);

@@ -27,9 +27,12 @@ pub(crate) mod kernels;
 pub(crate) mod lanes;
 pub(crate) mod sums;
 pub(crate) mod table;
+pub(crate) mod viscosity;
 
 use crate::fields::Discretization;
-use kernels::KernelLanes;
+use kernels::{CubicSpline, KernelLanes, Poly6, Spiky, WendlandC2};
+use lanes::{Lanes, Work};
+use volmap_runtime::KernelKind;
 
 /// A pair: gradient, and twice the number of the other particle in the block's table.
 pub type Pair = [i16; 4];
@@ -73,10 +76,8 @@ pub(crate) struct Units {
     pub bend: f32,
     /// Products of two of them to the Laplacian, Eq. 16 of Bender et al. 2020; positive.
     pub of_bend: f32,
-    /// w to the fourth number of a bend.
-    pub value: f32,
-    /// And back to V W.
-    pub of_value: f32,
+    /// Sums of slope (u . x) x / (x^2 + 0.01) to the Laplacian of -u; with the sign of the slope.
+    pub laplacian: f32,
 }
 
 impl Units {
@@ -86,16 +87,39 @@ impl Units {
         let gradient = density * f64::from(K::SLOPE) / radius;
         let [pair, bend] = [K::STEEPEST, K::BENDIEST].map(|largest| LARGEST / largest);
         // x . x and x are in support radii, of which one is left over.
-        let laplacian = 2.0 * (with.dimension.count() as f64 + 2.0) * gradient.abs() / radius;
+        let laplacian = 2.0 * (with.dimension.count() as f64 + 2.0) * gradient / radius;
         Units {
             density: density as f32,
             gradient: gradient as f32,
             pair,
             of_pair: (gradient / f64::from(pair)) as f32,
             bend,
-            of_bend: (laplacian / f64::from(bend).powi(2)) as f32,
-            value: LARGEST,
-            of_value: (density / f64::from(LARGEST)) as f32,
+            of_bend: (laplacian.abs() / f64::from(bend).powi(2)) as f32,
+            laplacian: -laplacian as f32,
+        }
+    }
+}
+
+/// What can be done with any kernel on any lanes.
+pub(crate) trait WorkOfKernel {
+    /// Must be inlined, to be compiled for the processor that has the lanes.
+    fn run<V: Lanes, K: KernelLanes>(self);
+}
+
+/// That with one kernel.
+pub(crate) struct WithKernel<W> {
+    pub kernel: KernelKind,
+    pub work: W,
+}
+
+impl<W: WorkOfKernel> Work for WithKernel<W> {
+    #[inline(always)]
+    fn run<V: Lanes>(self) {
+        match self.kernel {
+            KernelKind::CubicSpline => self.work.run::<V, CubicSpline>(),
+            KernelKind::WendlandC2 => self.work.run::<V, WendlandC2>(),
+            KernelKind::Spiky => self.work.run::<V, Spiky>(),
+            KernelKind::Poly6 => self.work.run::<V, Poly6>(),
         }
     }
 }

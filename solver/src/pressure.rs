@@ -41,40 +41,43 @@ const MOST_CORRECTION: f32 = 0.01;
 impl Fields {
     /// Solves for the pressures that keep the velocity from compressing the fluid; `accelerations` hold the answer.
     pub fn correct_divergence(&mut self, solve: &Solve) -> SolveReport {
-        self.sources(solve, |density, rate, dt| (density >= SURFACE_DENSITY).then_some(rate.max(0.0) / dt));
+        self.sources(solve, |density, rate, dt| (rate.max(0.0) / dt, density >= SURFACE_DENSITY));
         self.iterate(solve)
     }
 
     /// Solves for the pressures that bring the density back to rest; `accelerations` hold the answer.
     pub fn correct_density(&mut self, solve: &Solve) -> SolveReport {
         let error = |density: f32| (density - 1.0).min(MOST_CORRECTION);
-        self.sources(solve, |density, rate, dt| Some(error(density) / (dt * dt) + rate / dt));
+        self.sources(solve, |density, rate, dt| (error(density) / (dt * dt) + rate / dt, true));
         self.iterate(solve)
     }
 
-    /// The source of each particle, from its density, the rate at which the velocity raises it, and dt; one without
-    /// takes no part.
-    fn sources(&mut self, solve: &Solve, source: impl Fn(f32, f32, f32) -> Option<f32> + Sync) {
+    /// The source of each particle, from its density, the rate at which the velocity raises it, and dt, and whether it takes part.
+    fn sources(&mut self, solve: &Solve, source: impl Fn(f32, f32, f32) -> (f32, bool) + Sync) {
         self.sources.resize(self.len(), 0.0);
         self.steps.resize(self.len(), 0.0);
         self.begin_response(&solve.response);
         let (velocities, dt) = (&self.velocities, solve.dt as f32);
         let least = SMALLEST_FACTOR / (solve.with.support_radius * solve.with.support_radius) as f32;
         let (densities, factors, gradients) = (&self.densities, &self.factors, &self.gradients);
-        let (body_flux, body_factors) = (&self.body_flux, &self.body_factors);
+        let (wall_rates, body_flux, body_factors) = (&self.wall_rates, &self.body_flux, &self.body_factors);
         let steps = solve.neighbours.split(&mut self.steps);
         solve.neighbours.with(&mut self.sources).zip(steps).for_each(|((lists, sources), steps)| {
             flux(lists, velocities, gradients, sources);
-            for within in 0..sources.len() {
-                let particle = lists.first + within;
-                let [known, bound] =
-                    [body_flux, body_factors].map(|all| all.get(particle).copied().unwrap_or(0.0));
-                let rate = sources[within] - solve.boundary.of_particle[particle].flux - dt * known;
-                let (source, factor) = (source(densities[particle], rate, dt), factors[particle] + bound);
-                sources[within] = source.unwrap_or(0.0);
+            steps.copy_from_slice(&factors[lists.particles()]);
+            if !body_flux.is_empty() {
+                let bodies = body_flux[lists.particles()].iter().zip(&body_factors[lists.particles()]);
+                for ((source, step), (known, bound)) in sources.iter_mut().zip(&mut *steps).zip(bodies) {
+                    *source -= dt * known;
+                    *step += bound;
+                }
+            }
+            let own = densities[lists.particles()].iter().zip(&wall_rates[lists.particles()]);
+            for ((out, step), (density, wall)) in sources.iter_mut().zip(steps).zip(own) {
+                let (source, takes_part) = source(*density, *out - wall, dt);
                 // A particle alone can't be compressed.
-                let takes_part = source.is_some() && factor > least;
-                steps[within] = if takes_part { solve.relaxation / factor } else { 0.0 };
+                *step = if takes_part && *step > least { solve.relaxation / *step } else { 0.0 };
+                *out = if takes_part { source } else { 0.0 };
             }
         });
     }
@@ -157,7 +160,12 @@ impl Fields {
                         *change -= bodies;
                     }
                 }
-                step_by(out, &pressures[lists.particles()], &sources[lists.particles()], &steps[lists.particles()])
+                step_by(
+                    out,
+                    &pressures[lists.particles()],
+                    &sources[lists.particles()],
+                    &steps[lists.particles()],
+                )
             })
             .collect();
         errors.iter().sum::<f64>() * solve.dt * solve.dt / pressures.len().max(1) as f64

@@ -228,8 +228,8 @@ impl Simulation {
         self.particles.reorder(&self.order);
         self.fields.place(&self.particles, radius);
         self.stages.end(|stages| &mut stages.sort);
-        let [explicit, implicit] = self.fluid.viscosities();
-        let bends = explicit > 0.0 || implicit > 0.0 || self.fluid.xsph > 0.0;
+        let [_, implicit] = self.fluid.viscosities();
+        let bends = implicit > 0.0;
         let sought = Sought { with: self.discretization(), bends };
         let Fields { places, neighbourhoods, .. } = &mut self.fields;
         let found = self.neighbours.find(&self.cells, places, sought, neighbourhoods);
@@ -272,7 +272,7 @@ impl Simulation {
 
     fn add_non_pressure(&mut self, dt: f64) -> SolveReport {
         let forces = (&self.fluid, self.world.gravity);
-        self.fields.compute_non_pressure(&self.neighbours, forces, dt);
+        self.fields.compute_non_pressure(self.discretization(), &self.neighbours, forces, dt);
         self.fields.accelerate(dt);
         let report = self.solve_viscosity(dt);
         self.stages.end(|stages| &mut stages.non_pressure);

@@ -150,7 +150,7 @@ impl<V: Lanes> Slice<V> {
         self.squares = self.squares + slope * slope * square;
         lists.rows.push(Row(V::pack(pair, places)));
         if let Some(bends) = &mut lists.bends {
-            bends.push(bend(lists.units, [x, y, z], square, [value, slope]));
+            bends.push(bend(lists.units, [x, y, z], square, slope));
         }
     }
 
@@ -170,11 +170,10 @@ impl<V: Lanes> Slice<V> {
     }
 }
 
-/// What viscosity asks of a row of pairs.
+/// What implicit viscosity asks of a row of pairs.
 #[inline(always)]
-fn bend<V: Lanes>(units: Units, [x, y, z]: [V; 3], square: V, [value, slope]: [V; 2]) -> Row {
+fn bend<V: Lanes>(units: Units, [x, y, z]: [V; 3], square: V, slope: V) -> Row {
     let size = slope.max(V::splat(0.0) - slope);
     let scale = V::splat(units.bend) * (size / (square + V::splat(SMALL))).sqrt();
-    let value = (V::splat(units.value) * value).round();
-    Row(V::pack([(scale * x).round(), (scale * y).round(), (scale * z).round()], &value.whole()))
+    Row(V::pack([(scale * x).round(), (scale * y).round(), (scale * z).round()], &[0; LANES]))
 }

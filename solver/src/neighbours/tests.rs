@@ -3,9 +3,9 @@
 use super::*;
 use crate::fields::Fields;
 use crate::pairs::Pair;
-use crate::pairs::lanes::Plain;
+use crate::pairs::lanes::{Plain, Work};
 use crate::particles::Particles;
-use volmap_runtime::{DVec3, Dimension};
+use volmap_runtime::{DVec3, Dimension, KernelKind};
 
 /// The numbers of SplitMix64 (Steele et al. 2014), 0 to 1.
 pub(crate) fn random(seed: u64) -> impl FnMut() -> f64 {
@@ -74,7 +74,8 @@ impl Neighbours {
             let (mut lists, mut workspace) = (Lists::default(), Workspace::default());
             let out = &mut densities[block.particles.clone()];
             let (workspace, into) = (&mut workspace, &mut lists);
-            Build { cells, block, places, sought, workspace, lists: into, out }.run::<Plain>();
+            let work = Build { cells, block, places, sought, workspace, lists: into, out };
+            WithKernel { kernel: with.kernel, work }.run::<Plain>();
             lists
         };
         let lists = blocks.iter().map(build).collect();

@@ -115,6 +115,18 @@ impl Lanes for Avx {
     }
 
     #[inline(always)]
+    fn gather_row(table: &Quads, row: &Row) -> [Avx; 3] {
+        let place = |lane: usize| place(&row.0[lane][3]);
+        let [x, y, z, _] = transpose(
+            two(table, place(0), place(4)),
+            two(table, place(1), place(5)),
+            two(table, place(2), place(6)),
+            two(table, place(3), place(7)),
+        );
+        [x, y, z]
+    }
+
+    #[inline(always)]
     fn pack([x, y, z]: [Avx; 3], fourth: &[u32; LANES]) -> [Pair; LANES] {
         let mut out = [[0; 4]; LANES];
         // SAFETY: both arrays are as long as what is read and written.
@@ -129,13 +141,6 @@ impl Lanes for Avx {
             _mm256_storeu_si256(to, _mm256_permute2x128_si256::<0x20>(even, odd));
             _mm256_storeu_si256(to.add(1), _mm256_permute2x128_si256::<0x31>(even, odd));
         }
-        out
-    }
-
-    #[inline(always)]
-    fn whole(self) -> [u32; LANES] {
-        let mut out = [0; LANES];
-        unsafe { _mm256_storeu_si256(out.as_mut_ptr().cast(), _mm256_cvtps_epi32(self.0)) };
         out
     }
 
@@ -188,34 +193,24 @@ impl Lanes for Avx {
     }
 
     #[inline(always)]
-    fn sum_of_bends<const MEAN: bool>(
-        rows: &[Row],
-        bends: &[Row],
-        table: &Quads,
-        own: [Quad; SLICE],
-    ) -> [[Quad; SLICE]; 2] {
+    fn sum_of_bends(rows: &[Row], bends: &[Row], table: &Quads, own: [Quad; SLICE]) -> [Quad; SLICE] {
         // SAFETY: see the top of the file.
         unsafe {
-            let (mut sums, mut means) = ([_mm256_setzero_ps(); SLICE / 2], [_mm256_setzero_ps(); SLICE / 2]);
-            let mut of_own = [_mm256_setzero_ps(); SLICE / 2];
+            let (mut sums, mut of_own) = ([_mm256_setzero_ps(); SLICE / 2], [_mm256_setzero_ps(); SLICE / 2]);
             for (to, own) in of_own.iter_mut().zip(own.as_chunks::<2>().0) {
                 *to = _mm256_loadu_ps(own.as_ptr().cast());
             }
             for (row, bend) in rows.iter().zip(bends) {
                 for n in 0..SLICE / 2 {
                     let of = two(table, place(&row.0[2 * n][3]), place(&row.0[2 * n + 1][3]));
-                    let (h, of) = (numbers(bend, n), _mm256_sub_ps(of, of_own[n]));
-                    let products = _mm256_mul_ps(h, of);
+                    let h = numbers(bend, n);
+                    let products = _mm256_mul_ps(h, _mm256_sub_ps(of, of_own[n]));
                     let pairs = _mm256_add_ps(products, _mm256_permute_ps::<0b10_11_00_01>(products));
                     let product = _mm256_add_ps(pairs, _mm256_permute_ps::<0b01_00_11_10>(pairs));
                     sums[n] = _mm256_add_ps(sums[n], _mm256_mul_ps(h, product));
-                    if MEAN {
-                        let value = _mm256_permute_ps::<0xff>(h);
-                        means[n] = _mm256_add_ps(means[n], _mm256_mul_ps(value, of));
-                    }
                 }
             }
-            [quads(sums), quads(means)]
+            quads(sums)
         }
     }
 

@@ -32,10 +32,10 @@ pub(crate) trait Lanes:
     fn round(self) -> Self;
     /// The first three numbers of the quads at these places, turned.
     fn gather(table: &Quads, places: &Group) -> [Self; 3];
+    /// The same at the places of a row's pairs.
+    fn gather_row(table: &Quads, row: &Row) -> [Self; 3];
     /// Pairs of whole numbers of 16 bits, and places.
     fn pack(vector: [Self; 3], fourth: &[u32; LANES]) -> [Pair; LANES];
-    /// The whole numbers, as they are.
-    fn whole(self) -> [u32; LANES];
 
     /// For each particle of a slice, the sum of its pairs' numbers times those of the table; of the fourth number nothing.
     #[inline(always)]
@@ -73,32 +73,22 @@ pub(crate) trait Lanes:
         quads.map(|[x, y, z, _]| (x + y) + z)
     }
 
-    /// For each particle of a slice, the sum of h (h . (u_j - u_i)) of its bends h, the vectors u_j of the table and its own u_i;
-    /// with `MEAN` that of the fourth number times u_j - u_i.
+    /// For each particle of a slice, the sum of h (h . (u_j - u_i)) of its bends h, the vectors u_j of the table and its own u_i; of
+    /// the fourth number nothing.
     #[inline(always)]
-    fn sum_of_bends<const MEAN: bool>(
-        rows: &[Row],
-        bends: &[Row],
-        table: &Quads,
-        own: [Quad; SLICE],
-    ) -> [[Quad; SLICE]; 2] {
-        let (mut sums, mut means) = ([[0.0; 4]; SLICE], [[0.0; 4]; SLICE]);
+    fn sum_of_bends(rows: &[Row], bends: &[Row], table: &Quads, own: [Quad; SLICE]) -> [Quad; SLICE] {
+        let mut sums = [[0.0; 4]; SLICE];
         for (row, bend) in rows.iter().zip(bends) {
             for lane in 0..SLICE {
-                let of = table.values()[number(row.0[lane][3] as u16)];
-                let h = bend.0[lane].map(f32::from);
-                let apart: Quad = std::array::from_fn(|axis| of[axis] - own[lane][axis]);
-                let p: Quad = std::array::from_fn(|axis| h[axis] * apart[axis]);
+                let (of, h) = (table.values()[number(row.0[lane][3] as u16)], bend.0[lane].map(f32::from));
+                let p: Quad = std::array::from_fn(|axis| h[axis] * (of[axis] - own[lane][axis]));
                 let product = (p[0] + p[1]) + (p[2] + p[3]);
                 for axis in 0..4 {
                     sums[lane][axis] += h[axis] * product;
-                    if MEAN {
-                        means[lane][axis] += h[3] * apart[axis];
-                    }
                 }
             }
         }
-        [sums, means]
+        sums
     }
 
     /// Puts those whose bits are set to the front, in order; what comes behind them is of no use.
@@ -230,12 +220,12 @@ impl Lanes for Plain {
     }
 
     #[inline(always)]
-    fn pack([x, y, z]: [Plain; 3], fourth: &[u32; LANES]) -> [Pair; LANES] {
-        std::array::from_fn(|n| [x.0[n] as i16, y.0[n] as i16, z.0[n] as i16, fourth[n] as u16 as i16])
+    fn gather_row(table: &Quads, row: &Row) -> [Plain; 3] {
+        Plain::gather(table, &row.0.map(|pair| u32::from(pair[3] as u16)))
     }
 
     #[inline(always)]
-    fn whole(self) -> [u32; LANES] {
-        self.0.map(|number| number as i32 as u32)
+    fn pack([x, y, z]: [Plain; 3], fourth: &[u32; LANES]) -> [Pair; LANES] {
+        std::array::from_fn(|n| [x.0[n] as i16, y.0[n] as i16, z.0[n] as i16, fourth[n] as u16 as i16])
     }
 }

@@ -7,7 +7,12 @@ use crate::neighbours::Lists;
 
 /// -(P_i grad D_i + the sum of P_j V grad W_ij), for the pressures P of the table, those of the block's particles and their
 /// gradients of the density.
-pub fn accelerations(lists: &Lists, table: &Numbers, (pressures, gradients): (&[f32], &[Quad]), work: Room<Quad>) {
+pub fn accelerations(
+    lists: &Lists,
+    table: &Numbers,
+    (pressures, gradients): (&[f32], &[Quad]),
+    work: Room<Quad>,
+) {
     dispatch(Accelerations { lists, table, pressures, gradients, work });
 }
 
@@ -26,12 +31,7 @@ pub struct Room<'a, T> {
 /// The sum of h (h . (u_j - u_i)), for the vectors u of the table and the bends h; in numbers of bends, see
 /// [`Lists::unit_of_bends`]. `out` has one more than particles are.
 pub fn bends(lists: &Lists, bends: &[Row], table: &Quads, out: &mut [Quad]) {
-    dispatch(OfBends::<false> { lists, bends, table, out: [out, &mut []] });
-}
-
-/// The same, and the sum of W (u_j - u_i), see [`Lists::unit_of_means`].
-pub fn bends_and_means(lists: &Lists, bends: &[Row], table: &Quads, out: [&mut [Quad]; 2]) {
-    dispatch(OfBends::<true> { lists, bends, table, out });
+    dispatch(OfBends { lists, bends, table, out });
 }
 
 /// Of each particle the sum of h h^T; in numbers of bends.
@@ -114,26 +114,22 @@ impl Work for Fluxes<'_> {
     }
 }
 
-pub(super) struct OfBends<'a, const MEAN: bool> {
+pub(super) struct OfBends<'a> {
     pub lists: &'a Lists,
     pub bends: &'a [Row],
     pub table: &'a Quads,
-    pub out: [&'a mut [Quad]; 2],
+    pub out: &'a mut [Quad],
 }
 
-impl<const MEAN: bool> Work for OfBends<'_, MEAN> {
+impl Work for OfBends<'_> {
     #[inline(always)]
     fn run<V: Lanes>(self) {
-        let [out, means] = self.out;
         for (particles, rows) in self.lists.slices() {
             let own = particles.map(|particle| self.table.values()[usize::from(particle)]);
             let (pairs, bends) = (&self.lists.rows()[rows.clone()], &self.bends[rows]);
-            let [sums, of_values] = V::sum_of_bends::<MEAN>(pairs, bends, self.table, own);
-            for (lane, &particle) in particles.iter().enumerate() {
-                out[usize::from(particle)] = sums[lane];
-                if MEAN {
-                    means[usize::from(particle)] = of_values[lane];
-                }
+            let sums = V::sum_of_bends(pairs, bends, self.table, own);
+            for (&particle, sum) in particles.iter().zip(sums) {
+                self.out[usize::from(particle)] = sum;
             }
         }
     }

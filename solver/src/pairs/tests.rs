@@ -33,9 +33,11 @@ type UnitKernel = fn([f64; 8]) -> [[f32; 8]; 4];
 
 struct Fluid {
     kernel: KernelKind,
+    with: Discretization,
     positions: Vec<DVec3>,
     neighbours: Neighbours,
     densities: Vec<Density>,
+    places: Vec<Quad>,
     velocities: Vec<Quad>,
     pressures: Vec<f32>,
 }
@@ -48,7 +50,8 @@ fn fluid(kernel: KernelKind) -> Fluid {
     let Arranged { positions, fields, neighbours } = arrange_with(&cloud(), with(kernel));
     let velocities = field(positions.len(), 3);
     let pressures = field(positions.len(), 4).iter().map(|quad| quad[0].abs()).collect();
-    Fluid { kernel, positions, neighbours, densities: fields.neighbourhoods, velocities, pressures }
+    let (with, densities, places) = (with(kernel), fields.neighbourhoods, fields.places);
+    Fluid { kernel, with, positions, neighbours, densities, places, velocities, pressures }
 }
 
 impl Fluid {
@@ -105,15 +108,24 @@ impl Fluid {
     fn viscous(&self) -> [Vec<DVec3>; 2] {
         let sum = |lists: &Lists, workspace: &mut neighbours::Workspace| {
             workspace.vectors.fill(lists.table(), &self.velocities);
-            let out = [&mut workspace.sums[..], &mut workspace.more_sums[..]];
-            sums::bends_and_means(lists, lists.bends().unwrap(), &workspace.vectors, out);
+            workspace.places.fill(lists.table(), &self.places);
+            let motion = viscosity::Motion { places: &workspace.places, velocities: &workspace.vectors };
+            let out = &mut workspace.viscous[..lists.len()];
+            viscosity::viscosity::<true>(lists, self.with, motion, out);
         };
-        let both = self.all(sum, |lists, within, _, workspace| {
-            let [laplacian, mean] =
-                [workspace.sums[within], workspace.more_sums[within]].map(|sum| vector3(sum).as_vec3());
-            [lists.unit_of_bends() * laplacian, lists.unit_of_means() * mean].map(|sum| sum.as_dvec3())
-        });
+        let both = self.all(sum, |_, within, _, workspace| workspace.viscous[within].map(vector));
         [0, 1].map(|n| both.iter().map(|both| both[n]).collect())
+    }
+
+    /// The Laplacian by bends.
+    fn bent(&self) -> Vec<DVec3> {
+        let sum = |lists: &Lists, workspace: &mut neighbours::Workspace| {
+            workspace.vectors.fill(lists.table(), &self.velocities);
+            sums::bends(lists, lists.bends().unwrap(), &workspace.vectors, &mut workspace.sums);
+        };
+        self.all(sum, |lists, within, _, workspace| {
+            (lists.unit_of_bends() * vector3(workspace.sums[within]).as_vec3()).as_dvec3()
+        })
     }
 
     /// For each particle the sum of `term` over the others (index, x_ij, V W, V grad W), and of its magnitude.
@@ -254,15 +266,15 @@ fn flux_is_the_adjoint_of_the_acceleration() {
 fn viscosity_is_the_slow_one_and_keeps_momentum() {
     for kernel in KernelKind::ALL {
         let fluid = fluid(kernel);
-        let [laplacians, means] = fluid.viscous();
+        let ([laplacians, means], bent) = (fluid.viscous(), fluid.bent());
         let apart = |i, j| fluid.velocity(i) - fluid.velocity(j);
         let exact = fluid.slow(|i, j, x, _, slope| {
             10.0 * apart(i, j).dot(x) / (x.length_squared() + 0.01 * RADIUS * RADIUS) * slope
         });
         let mean = fluid.slow(|i, j, _, value, _| -value * apart(i, j));
-        for (got, slow) in [(laplacians, exact), (means, mean)] {
+        for (got, slow) in [(laplacians, &exact), (bent, &exact), (means, &mean)] {
             let sizes: f64 = slow.iter().map(|(_, size)| size).sum();
-            assert_close(kernel, &got, &slow, 1e-4 * sizes / slow.len() as f64);
+            assert_close(kernel, &got, slow, 1e-4 * sizes / slow.len() as f64);
             assert!(got.iter().sum::<DVec3>().length() < 1e-7 * sizes, "{kernel}");
         }
     }
@@ -311,7 +323,12 @@ fn all_lanes_give_the_same_bits() {
             let (own, pressures) =
                 (&fluid.velocities[lists.particles()], &fluid.pressures[lists.particles()]);
             let count = lists.len();
-            sums::accelerations(lists, &numbers, (pressures, gradients), Room { sums: &mut a, out: &mut b[..count] });
+            sums::accelerations(
+                lists,
+                &numbers,
+                (pressures, gradients),
+                Room { sums: &mut a, out: &mut b[..count] },
+            );
             let work = Room { sums: &mut c[..], out: &mut d[..count] };
             sums::Accelerations { lists, table: &numbers, pressures, gradients, work }.run::<Plain>();
             assert!(b == d, "accelerations {kernel}");
@@ -322,14 +339,25 @@ fn all_lanes_give_the_same_bits() {
             sums::Fluxes { lists, table: &table, own, gradients, work }.run::<Plain>();
             assert!(fluxes == same, "fluxes {kernel}");
             let bends = lists.bends().unwrap();
-            sums::bends_and_means(lists, bends, &table, [&mut a, &mut b]);
-            sums::OfBends::<true> { lists, bends, table: &table, out: [&mut c, &mut d] }.run::<Plain>();
+            sums::bends(lists, bends, &table, &mut a);
+            sums::OfBends { lists, bends, table: &table, out: &mut c }.run::<Plain>();
             // Of the fourth number nothing is said.
             let first =
                 |quads: &[Quad]| quads[..count].iter().map(|q| [q[0], q[1], q[2]]).collect::<Vec<_>>();
-            assert!(first(&a) == first(&c) && first(&b) == first(&d), "viscosity {kernel}");
-            sums::bends(lists, bends, &table, &mut d);
-            assert!(first(&a) == first(&d), "viscosity alone {kernel}");
+            assert!(first(&a) == first(&c), "bends {kernel}");
+            let (mut at, with) = (Quads::default(), fluid.with);
+            at.fill(lists.table(), &fluid.places);
+            let motion = viscosity::Motion { places: &at, velocities: &table };
+            let [mut all, mut same] = [(); 2].map(|()| vec![[[0.0; 3]; 2]; count]);
+            viscosity::viscosity::<true>(lists, with, motion, &mut all);
+            let work = viscosity::Viscosity::<true> { lists, with, motion, out: &mut same };
+            WithKernel { kernel, work }.run::<Plain>();
+            assert!(all == same, "viscosity {kernel}");
+            viscosity::viscosity::<false>(lists, with, motion, &mut same);
+            assert!(
+                all.iter().zip(&same).all(|(a, b)| a[0] == b[0] && b[1] == [0.0; 3]),
+                "Laplacian {kernel}"
+            );
         }
     }
 }
@@ -401,8 +429,9 @@ fn laplacian_in_the_plane_is_that_of_the_field() {
         let with = Discretization { kernel, support_radius: RADIUS, volume, dimension: Dimension::Two };
         let Arranged { positions, fields, neighbours } = arrange_with(&points, with);
         let velocities = positions.iter().map(|x| [(x.y * x.y) as f32, 0.0, 0.0, 0.0]).collect();
-        let densities = fields.neighbourhoods;
-        let fluid = Fluid { kernel, positions, neighbours, densities, velocities, pressures: Vec::new() };
+        let (densities, places) = (fields.neighbourhoods, fields.places);
+        let pressures = Vec::new();
+        let fluid = Fluid { kernel, with, positions, neighbours, densities, places, velocities, pressures };
         for (n, laplacian) in fluid.viscous()[0].iter().enumerate() {
             if fluid.positions[n].abs().max_element() > 11.5 * spacing {
                 continue;
