@@ -28,7 +28,7 @@ impl Fields {
         let (places, velocities) = (&self.places, &self.velocities);
         neighbours.with(&mut self.accelerations).for_each(|(lists, out)| {
             neighbours::work(lists, |workspace| {
-                workspace.places.fill(lists.table(), places);
+                workspace.places.fill_places(lists.table(), places);
                 workspace.vectors.fill(lists.table(), velocities);
                 let motion = Motion { places: &workspace.places, velocities: &workspace.vectors };
                 let viscous = &mut workspace.viscous[..lists.len()];

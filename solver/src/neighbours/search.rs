@@ -5,12 +5,9 @@ use super::Lists;
 use crate::blocks::{Block, surroundings};
 use crate::cells::Cells;
 use crate::pairs::lanes::{LANES, Lanes, Quad};
-use crate::pairs::table::Quads;
+use crate::pairs::table::{FAR, Quads};
 use glam::IVec3;
 use std::ops::Range;
-
-/// Farther than any particle, in support radii; its square is still a number.
-const FAR: f32 = 1e15;
 
 /// Room for a block's search.
 #[derive(Default)]
@@ -69,8 +66,7 @@ impl Search {
                 _ => lists.table.push(first..first + count),
             }
         }
-        let count = table.fill(&lists.table, places);
-        table.set(count, [FAR, FAR, FAR, 0.0]);
+        let count = table.fill_places(&lists.table, places);
         self.turn(&table.values()[..count]);
         self.next[0] = 0;
         count

@@ -50,14 +50,23 @@ impl<T: Copy + Default> Table<T> {
         end
     }
 
-    pub(crate) fn set(&mut self, number: usize, value: T) {
-        self.values[number] = value;
-    }
-
     /// The values, of which the first are filled.
     #[inline(always)]
     pub(crate) fn values(&self) -> &[T; ROOM] {
         &self.values
+    }
+}
+
+/// Farther than any particle, in support radii; its square is still a number.
+pub(crate) const FAR: f32 = 1e15;
+
+impl Quads {
+    /// As [`Table::fill`], of places in support radii: the one that isn't there is far from all.
+    #[inline(always)]
+    pub(crate) fn fill_places(&mut self, ranges: &[Range<u32>], places: &[Quad]) -> usize {
+        let count = self.fill(ranges, places);
+        self.values[count] = [FAR, FAR, FAR, 0.0];
+        count
     }
 }
 

@@ -13,10 +13,12 @@ use volmap_runtime::{DVec3, Dimension, Kernel, KernelKind};
 const RADIUS: f64 = 0.1;
 const VOLUME: f64 = 1.25e-4;
 
-/// A fluid, a dense clump, pairs in one place, and some alone.
+/// A fluid, a dense clump, pairs in one place, some alone, and at the origin of the places one with two neighbours that aren't
+/// each other's.
 fn cloud() -> Vec<DVec3> {
     let mut positions = random_points(900, 0.5, 1);
     positions.extend(random_points(60, 0.03, 2).iter().map(|x| *x + 0.8));
+    positions.extend([DVec3::ZERO, 0.08 * DVec3::X, 0.08 * DVec3::Y].map(|x| x - 1.0));
     positions.extend([DVec3::splat(0.31), DVec3::splat(0.31), DVec3::splat(-0.4), DVec3::new(2.0, 0.0, 0.0)]);
     positions
 }
@@ -108,7 +110,7 @@ impl Fluid {
     fn viscous(&self) -> [Vec<DVec3>; 2] {
         let sum = |lists: &Lists, workspace: &mut neighbours::Workspace| {
             workspace.vectors.fill(lists.table(), &self.velocities);
-            workspace.places.fill(lists.table(), &self.places);
+            workspace.places.fill_places(lists.table(), &self.places);
             let motion = viscosity::Motion { places: &workspace.places, velocities: &workspace.vectors };
             let out = &mut workspace.viscous[..lists.len()];
             viscosity::viscosity::<true>(lists, self.with, motion, out);
@@ -346,7 +348,7 @@ fn all_lanes_give_the_same_bits() {
                 |quads: &[Quad]| quads[..count].iter().map(|q| [q[0], q[1], q[2]]).collect::<Vec<_>>();
             assert!(first(&a) == first(&c), "bends {kernel}");
             let (mut at, with) = (Quads::default(), fluid.with);
-            at.fill(lists.table(), &fluid.places);
+            at.fill_places(lists.table(), &fluid.places);
             let motion = viscosity::Motion { places: &at, velocities: &table };
             let [mut all, mut same] = [(); 2].map(|()| vec![[[0.0; 3]; 2]; count]);
             viscosity::viscosity::<true>(lists, with, motion, &mut all);
