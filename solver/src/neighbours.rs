@@ -238,7 +238,7 @@ impl WorkOfKernel for Build<'_> {
             if particles.is_empty() {
                 continue;
             }
-            search.enter(cells.cell_of(number), particles.len());
+            search.enter(cells.cell_of(number));
             for _ in particles {
                 search.find::<V>(writer.next_list());
                 if writer.is_full() {

@@ -15,17 +15,21 @@ pub(super) struct Search {
     /// Lowest cell around the block, and how many there are along each axis.
     corner: IVec3,
     size: IVec3,
-    /// Of each of them, its first particle in the table and the number of its particles.
-    cells: Vec<[u32; 2]>,
     /// Of cells outside the block: first particle, number of particles, cell.
     around: Vec<[u32; 3]>,
-    /// The table's places, coordinate by coordinate, and room for eight more.
+    /// Of each cell the number in the table of its first particle, and how many it has.
+    cells: Vec<[u32; 2]>,
+    /// Where each cell begins among the places, and their number.
+    starts: Vec<usize>,
+    /// Places row by row of cells, along x, coordinate by coordinate; room for eight more.
     places: [Vec<f32>; 3],
-    /// The candidates of a cell, and their places in the table, twice their numbers.
-    candidates: [Vec<f32>; 3],
+    /// What they have in the table: twice their numbers.
     numbers: Vec<u32>,
+    /// The same of the candidates of a cell.
+    candidates: [Vec<f32>; 3],
+    candidate_numbers: Vec<u32>,
     count: usize,
-    /// The particle that comes next: its number in the table, and among the candidates.
+    /// The particle that comes next, among the places and among the candidates.
     next: [usize; 2],
 }
 
@@ -41,20 +45,8 @@ impl Search {
         lists: &mut Lists,
         table: &mut Quads,
     ) -> usize {
-        let [min, max] = block.occupied;
-        (self.corner, self.size) = (min - 1, max - min + 3);
-        self.cells.clear();
-        self.around.clear();
+        self.find_cells(cells, block);
         lists.table.push(block.particles.start as u32..block.particles.end as u32);
-        for (number, cell) in surroundings(block.occupied).enumerate() {
-            let particles = cells.particles(cell);
-            let [first, count] = [particles.start as u32, particles.len() as u32];
-            let is_own = block.particles.contains(&particles.start) && count > 0;
-            self.cells.push([if is_own { first - block.particles.start as u32 } else { 0 }, count]);
-            if count > 0 && !is_own {
-                self.around.push([first, count, number as u32]);
-            }
-        }
         // Those that follow each other are read together.
         self.around.sort_unstable();
         let mut end = block.particles.len() as u32;
@@ -67,57 +59,90 @@ impl Search {
             }
         }
         let count = table.fill_places(&lists.table, places);
-        self.turn(&table.values()[..count]);
-        self.next[0] = 0;
+        self.lay(&table.values()[..count]);
         count
     }
 
     #[inline(always)]
-    fn turn(&mut self, quads: &[Quad]) {
-        for (axis, places) in self.places.iter_mut().enumerate() {
-            places.resize(places.len().max(quads.len() + LANES), 0.0);
-            for (place, quad) in places.iter_mut().zip(quads) {
-                *place = quad[axis];
+    fn find_cells(&mut self, cells: &Cells, block: &Block) {
+        let [min, max] = block.occupied;
+        (self.corner, self.size) = (min - 1, max - min + 3);
+        self.cells.clear();
+        self.around.clear();
+        for (number, cell) in surroundings(block.occupied).enumerate() {
+            let particles = cells.particles(cell);
+            let [first, count] = [particles.start as u32, particles.len() as u32];
+            let is_own = block.particles.contains(&particles.start) && count > 0;
+            self.cells.push([if is_own { first - block.particles.start as u32 } else { 0 }, count]);
+            if count > 0 && !is_own {
+                self.around.push([first, count, number as u32]);
             }
         }
     }
 
-    /// Lays the candidates of a cell side by side: its own `count` particles first.
+    /// Lays all places row by row.
     #[inline(always)]
-    pub fn enter(&mut self, cell: IVec3, count: usize) {
+    fn lay(&mut self, table: &[Quad]) {
+        let Search { cells, starts, places: [xs, ys, zs], numbers, .. } = self;
+        let room = table.len() + LANES;
+        for all in [&mut *xs, &mut *ys, &mut *zs] {
+            all.resize(room.max(all.len()), 0.0);
+        }
+        numbers.resize(xs.len(), 0);
+        starts.clear();
+        let mut end = 0;
+        for &[first, count] in &*cells {
+            starts.push(end);
+            let (first, count) = (first as usize, count as usize);
+            let (of, to) = (&table[first..first + count], end..end + count);
+            let out = xs[to.clone()].iter_mut().zip(&mut ys[to.clone()]);
+            let out = out.zip(&mut zs[to.clone()]).zip(&mut numbers[to]);
+            for ((((x, y), z), number), (n, quad)) in out.zip(of.iter().enumerate()) {
+                [*x, *y, *z] = [quad[0], quad[1], quad[2]];
+                *number = 2 * (first + n) as u32;
+            }
+            end += count;
+        }
+        starts.push(end);
+    }
+
+    /// Lays the candidates of a cell side by side, row by row, its own row first.
+    #[inline(always)]
+    pub fn enter(&mut self, cell: IVec3) {
         let at = cell - self.corner;
         let own = (at.z * self.size.y + at.y) * self.size.x + at.x;
-        let mut cells = [[0; 2]; 27];
+        let mut rows = [[0; 2]; 9];
         let mut all = 0;
-        for (n, cell) in cells.iter_mut().enumerate() {
-            let [x, y, z] = [n % 3, n / 3 % 3, n / 9].map(|n| n as i32 - 1);
-            *cell = self.cells[(own + (z * self.size.y + y) * self.size.x + x) as usize];
-            all += cell[1] as usize;
+        for (n, row) in rows.iter_mut().enumerate() {
+            let [y, z] = [n % 3, n / 3].map(|n| n as i32 - 1);
+            let middle = (own + (z * self.size.y + y) * self.size.x) as usize;
+            *row = [self.starts[middle - 1], self.starts[middle + 2]];
+            all += row[1] - row[0];
         }
-        cells.swap(0, 13);
+        rows.swap(0, 4);
         self.reserve(all);
         self.count = 0;
-        for [first, count] in cells {
-            self.append(first as usize, count as usize);
+        for [first, end] in rows {
+            self.append(first, end - first);
         }
         for candidates in &mut self.candidates {
             candidates[self.count..self.count + LANES].fill(FAR);
         }
-        debug_assert_eq!(cells[0], [self.next[0] as u32, count as u32]);
-        self.next[1] = 0;
+        let first = self.starts[own as usize];
+        self.next = [first, first - rows[0][0]];
     }
 
     fn reserve(&mut self, count: usize) {
         let room = count + 2 * LANES;
-        if self.numbers.len() < room {
-            self.numbers.resize(room, 0);
+        if self.candidate_numbers.len() < room {
+            self.candidate_numbers.resize(room, 0);
             for candidates in &mut self.candidates {
                 candidates.resize(room, 0.0);
             }
         }
     }
 
-    /// Eight at a time; the last ones of no cell are overwritten.
+    /// Eight at a time; those behind the last ones are overwritten.
     #[inline(always)]
     fn append(&mut self, first: usize, count: usize) {
         for begin in (0..count).step_by(LANES) {
@@ -125,9 +150,7 @@ impl Search {
             for (candidates, places) in self.candidates.iter_mut().zip(&self.places) {
                 candidates[to..to + LANES].copy_from_slice(&places[from..from + LANES]);
             }
-            for (lane, number) in self.numbers[to..to + LANES].iter_mut().enumerate() {
-                *number = 2 * (from + lane) as u32;
-            }
+            self.candidate_numbers[to..to + LANES].copy_from_slice(&self.numbers[from..from + LANES]);
         }
         self.count += count;
     }
@@ -158,7 +181,7 @@ impl Search {
         let candidates = candidates.zip(&ys.as_chunks::<LANES>().0[groups.clone()]);
         let candidates = candidates.zip(&zs.as_chunks::<LANES>().0[groups.clone()]);
         let (one, mut count) = (V::splat(1.0), 0);
-        for (((xs, ys), zs), numbers) in candidates.zip(&self.numbers.as_chunks().0[groups]) {
+        for (((xs, ys), zs), numbers) in candidates.zip(&self.candidate_numbers.as_chunks().0[groups]) {
             let (dx, dy, dz) = (V::load(xs) - x, V::load(ys) - y, V::load(zs) - z);
             let hits = ((dx * dx + dy * dy) + dz * dz).below(one) & !but;
             let Some(out) = out[count..].first_chunk_mut() else { break };
