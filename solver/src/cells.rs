@@ -36,24 +36,25 @@ impl Cells {
         self.enclose(positions, support_radius);
         let mut keys = std::mem::take(&mut self.keys);
         positions.par_iter().map(|&x| self.number(self.cell(x)) as u32).collect_into_vec(&mut keys);
+        // Counted two cells on, so that what is added up are the beginnings one cell on, and after the sort those of each cell.
+        let cells = self.tiles.element_product() as usize * CELLS_OF_TILE;
         self.starts.clear();
-        self.starts.resize(self.tiles.element_product() as usize * CELLS_OF_TILE + 1, 0);
+        self.starts.resize(cells + 2, 0);
         for &key in &keys {
-            self.starts[key as usize] += 1;
+            self.starts[key as usize + 2] += 1;
         }
-        let mut first = 0;
+        let mut end = 0;
         for start in &mut self.starts {
-            first += std::mem::replace(start, first);
+            end += *start;
+            *start = end;
         }
         order.resize(positions.len(), 0);
         for (particle, &key) in keys.iter().enumerate() {
-            let place = &mut self.starts[key as usize];
+            let place = &mut self.starts[key as usize + 1];
             order[*place as usize] = particle as u32;
             *place += 1;
         }
-        // Each start has moved to the next one's place.
-        self.starts.rotate_right(1);
-        self.starts[0] = 0;
+        self.starts.truncate(cells + 1);
         self.keys = keys;
     }
 

@@ -63,17 +63,19 @@ impl Particles {
         self.positions.capacity() * (size_of::<DVec3>() + 2 * size_of::<[f32; 3]>() + 3 * size_of::<f32>())
     }
 
-    /// Puts the particles into a new order, which may leave some out: old indices.
-    pub fn reorder(&mut self, order: &[u32]) {
-        reorder(&mut self.positions, order);
-        reorder(&mut self.velocities, order);
-        reorder(&mut self.pressures, order);
-        reorder(&mut self.divergence_pressures, order);
-        reorder(&mut self.viscous_changes, order);
-        reorder(&mut self.ids, order);
+    /// Puts the particles into a new order, which may leave some out: old indices. `spare` is room, which becomes what was.
+    pub fn reorder(&mut self, order: &[u32], spare: &mut Particles) {
+        reorder(&self.positions, order, &mut spare.positions);
+        reorder(&self.velocities, order, &mut spare.velocities);
+        reorder(&self.pressures, order, &mut spare.pressures);
+        reorder(&self.divergence_pressures, order, &mut spare.divergence_pressures);
+        reorder(&self.viscous_changes, order, &mut spare.viscous_changes);
+        reorder(&self.ids, order, &mut spare.ids);
+        spare.next_id = self.next_id;
+        std::mem::swap(self, spare);
     }
 }
 
-fn reorder<T: Copy + Send + Sync>(values: &mut Vec<T>, order: &[u32]) {
-    *values = order.par_iter().map(|&old| values[old as usize]).collect();
+fn reorder<T: Copy + Send + Sync>(values: &[T], order: &[u32], out: &mut Vec<T>) {
+    order.par_iter().with_min_len(1024).map(|&old| values[old as usize]).collect_into_vec(out);
 }

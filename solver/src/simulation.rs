@@ -58,6 +58,8 @@ pub struct Simulation {
     body_forces: Vec<[DVec3; 2]>,
     cells: Cells,
     order: Vec<u32>,
+    /// Room to put particles into another order.
+    spare: Particles,
     neighbours: Neighbours,
     boundary: Boundary,
     extrapolation: Extrapolation,
@@ -139,6 +141,7 @@ impl Simulation {
             body_forces: Vec::new(),
             cells: Cells::default(),
             order: Vec::new(),
+            spare: Particles::default(),
             neighbours: Neighbours::default(),
             boundary,
             extrapolation: Extrapolation::default(),
@@ -225,7 +228,7 @@ impl Simulation {
     fn find_neighbourhoods(&mut self) -> Result<(), Error> {
         let radius = self.world.support_radius;
         self.cells.sort(&self.particles.positions, radius, &mut self.order);
-        self.particles.reorder(&self.order);
+        self.particles.reorder(&self.order, &mut self.spare);
         self.fields.place(&self.particles, radius);
         self.stages.end(|stages| &mut stages.sort);
         let [_, implicit] = self.fluid.viscosities();

@@ -78,7 +78,7 @@ pub fn remove_outside(particles: &mut Particles, densities: &mut Vec<f32>, domai
     }
     let count = particles.len();
     let kept: Vec<u32> = (0..count).filter(|&i| within(&particles.positions[i])).map(|i| i as u32).collect();
-    particles.reorder(&kept);
+    particles.reorder(&kept, &mut Particles::default());
     *densities = kept.iter().map(|&old| densities[old as usize]).collect();
     count - kept.len()
 }

@@ -5,11 +5,13 @@ use super::Lists;
 use super::search::Near;
 use crate::pairs::kernels::{KernelLanes, SMALL};
 use crate::pairs::lanes::{Group, LANES, Lanes, Quad};
-use crate::pairs::table::{MOST, Quads};
+use crate::pairs::table::Quads;
 use crate::pairs::{Density, Row, SLICE, Units};
 
 /// Particles among which those of a slice are chosen: some that have as many neighbours.
 const WINDOW: usize = 64;
+/// Neighbours that are more than a fluid has.
+const MANY: usize = 63;
 
 /// The lists of some particles that follow each other in the block.
 #[derive(Default)]
@@ -68,13 +70,16 @@ impl Writer {
             for (particle, number) in particles.iter_mut().zip(slice) {
                 *particle = self.first + number;
             }
-            let mut sums = Slice::<V>::new(particles.map(|particle| table.values()[particle]));
+            let mut sums = Slice::<V>::new(table, &particles);
             for places in &self.turned {
                 sums.add::<K>(table, places, lists);
             }
             sums.end::<K>(&particles[..slice.len()], lists.units, out);
-            let particles = particles.map(|particle| particle.min(lists.count) as u16);
-            lists.slices.push((particles, lists.rows.len() as u32));
+            let mut numbers = [0; SLICE];
+            for (number, particle) in numbers.iter_mut().zip(particles) {
+                *number = particle.min(lists.count) as u16;
+            }
+            lists.slices.push((numbers, lists.rows.len() as u32));
         }
         lists.pairs += self.near.end;
         self.first += self.starts.len() - 1;
@@ -87,7 +92,8 @@ impl Writer {
     fn turn(&mut self, slice: &[usize], far: u32) {
         let Writer { near, starts, turned, .. } = self;
         turned.clear();
-        turned.resize(starts[slice[0] + 1] - starts[slice[0]], [far; SLICE]);
+        let most = slice.iter().map(|&number| starts[number + 1] - starts[number]).max();
+        turned.resize(most.unwrap_or(0), [far; SLICE]);
         for (lane, &number) in slice.iter().enumerate() {
             let list = &near.places[starts[number]..starts[number + 1]];
             for (row, place) in turned.iter_mut().zip(list) {
@@ -101,27 +107,35 @@ impl Writer {
         &self.near.places[self.starts[number]..self.starts[number + 1]]
     }
 
-    /// The numbers of the window's particles: those with the most neighbours first, then as they come.
+    /// The numbers of the window's particles: those with the most neighbours first, then as they come; those of [`MANY`] and more
+    /// are alike.
     #[inline(always)]
     fn order<'a>(&self, order: &'a mut [usize; WINDOW]) -> &'a [usize] {
-        let order = &mut order[..self.starts.len() - 1];
-        for (number, key) in order.iter_mut().enumerate() {
-            *key = (MOST - self.list(number).len()) * WINDOW + number;
+        let count = self.starts.len() - 1;
+        let fewness = |number: usize| MANY - self.list(number).len().min(MANY);
+        let mut begins = [0; MANY + 2];
+        for number in 0..count {
+            begins[fewness(number) + 1] += 1;
         }
-        order.sort_unstable();
-        for key in &mut *order {
-            *key %= WINDOW;
+        for n in 1..begins.len() {
+            begins[n] += begins[n - 1];
         }
-        order
+        for number in 0..count {
+            let begin = &mut begins[fewness(number)];
+            order[*begin] = number;
+            *begin += 1;
+        }
+        &order[..count]
     }
 }
 
 impl<V: Lanes> Slice<V> {
     #[inline(always)]
-    fn new(places: [Quad; SLICE]) -> Slice<V> {
+    fn new(table: &Quads, particles: &[usize; SLICE]) -> Slice<V> {
         let zero = V::splat(0.0);
         let mut at = [[0.0; LANES]; 3];
-        for (lane, place) in places.iter().enumerate() {
+        for (lane, &particle) in particles.iter().enumerate() {
+            let place: Quad = table.values()[particle];
             for (axis, at) in at.iter_mut().enumerate() {
                 at[lane] = place[axis];
             }
@@ -162,7 +176,7 @@ impl<V: Lanes> Slice<V> {
         let squares = (V::splat(units.gradient) * V::splat(units.gradient) * self.squares).array();
         let unit = V::splat(units.of_pair);
         let [x, y, z] = self.gradient;
-        let [x, y, z] = [(unit * x).array(), (unit * y).array(), (unit * z).array()];
+        let (x, y, z) = ((unit * x).array(), (unit * y).array(), (unit * z).array());
         for (n, &particle) in particles.iter().enumerate() {
             out[particle] =
                 Density { density: density[n], gradient: [x[n], y[n], z[n]], squares: squares[n] };

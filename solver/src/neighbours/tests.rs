@@ -44,7 +44,7 @@ pub(crate) fn arrange_with(positions: &[DVec3], with: Discretization) -> Arrange
     particles.add(positions, &vec![[0.0; 3]; positions.len()]);
     let (mut cells, mut order) = (Cells::default(), Vec::new());
     cells.sort(&particles.positions, with.support_radius, &mut order);
-    particles.reorder(&order);
+    particles.reorder(&order, &mut Particles::default());
     let (mut fields, mut neighbours) = (Fields::default(), Neighbours::default());
     fields.place(&particles, with.support_radius);
     let sought = Sought { with, bends: true };

@@ -40,7 +40,9 @@ impl<const MEAN: bool> WorkOfKernel for Viscosity<'_, MEAN> {
         let [laplacian, mean] = [units.laplacian, units.density];
         for (particles, rows) in self.lists.slices() {
             let sums = self.of_slice::<V, K>(particles, rows);
-            let [a, b, c, d, e, f] = sums.map(V::array);
+            let [a, b, c, d, e, f] = sums;
+            let (a, b, c) = (a.array(), b.array(), c.array());
+            let (d, e, f) = (d.array(), e.array(), f.array());
             for (lane, &particle) in particles.iter().enumerate() {
                 if let Some(out) = self.out.get_mut(usize::from(particle)) {
                     *out = [
