@@ -71,9 +71,12 @@ impl Cells {
         while tiles(size).element_product() * CELLS_OF_TILE as f64 > most {
             size *= 2.0;
         }
-        self.origin = min;
         self.per_metre = 1.0 / size;
         self.tiles = tiles(size).as_ivec3();
+        // In the middle, so that the outer tiles are filled alike.
+        let cells = ((max - min) / size).floor() + 1.0;
+        let spare = f64::from(TILE) * tiles(size) - cells;
+        self.origin = min - size * (0.5 * spare).floor();
     }
 
     /// The cell of a point of the lattice.
