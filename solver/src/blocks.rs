@@ -84,7 +84,7 @@ pub(crate) fn surroundings([min, max]: [IVec3; 2]) -> impl Iterator<Item = IVec3
 }
 
 /// The values of each block's particles.
-pub fn split<'a, T>(blocks: impl Iterator<Item = usize>, mut values: &'a mut [T]) -> Vec<&'a mut [T]> {
+pub fn split<T>(blocks: impl Iterator<Item = usize>, mut values: &mut [T]) -> Vec<&mut [T]> {
     blocks
         .map(|count| {
             let (head, rest) = std::mem::take(&mut values).split_at_mut(count);

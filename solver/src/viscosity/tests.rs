@@ -261,7 +261,7 @@ fn a_coarse_solve_keeps_momentum_and_angular_momentum() {
     for (body, [push, turn]) in forces.iter().enumerate() {
         let arm = scene.bodies.center_of_mass(body);
         lost = [lost[0] + DT * *push, lost[1] + DT * (*turn + arm.cross(*push))];
-        assert!(push.length() * DT > 0.005 * size, "{body} {push} {size}");
+        assert!(push.length() * DT > 0.002 * size, "{body} {push} {size}");
     }
     assert!(lost[0].length() < 2e-6 * size, "{} of {size}", lost[0]);
     assert!(lost[1].length() < 1e-6 * size, "{} of {size}", lost[1]);
