@@ -1,7 +1,7 @@
 //! Blocks of cells: the particles of a small cube, which are worked on together, and those around it, which they may have as
 //! neighbours. The unit of parallel work.
 //!
-//! What a sum over neighbours reads of the particles of a block and around it is first laid side by side in a [table](crate::pairs::table), so that
+//! What a sum over neighbours reads of the particles of a block and around it is first laid side by side in a table, so that
 //! neighbours have numbers of 16 bits there and stay in the fastest cache.
 
 use crate::cells::{CELLS_OF_TILE, Cells};
@@ -27,7 +27,7 @@ pub struct Block {
     pub(crate) cells: Range<usize>,
 }
 
-/// A place where more particles are near each other than a [table](crate::pairs::table) has room for.
+/// A place where more particles are near each other than a table has room for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TooDense {
     /// One of the particles there.
@@ -40,7 +40,7 @@ pub struct TooDense {
 /// [`TooDense`]
 pub fn divide(cells: &Cells, particles: usize) -> Result<Vec<Block>, TooDense> {
     let size = if particles < MANY_PARTICLES { FEW_CELLS } else { MANY_CELLS };
-    let tiles: Result<Vec<Vec<Block>>, TooDense> = (0..cells.tiles())
+    let tiles: Vec<Result<Vec<Block>, TooDense>> = (0..cells.tiles())
         .into_par_iter()
         .map(|tile| {
             let mut out = Vec::new();
@@ -50,6 +50,8 @@ pub fn divide(cells: &Cells, particles: usize) -> Result<Vec<Block>, TooDense> {
             Ok(out)
         })
         .collect();
+    // The first of the errors, whichever came first.
+    let tiles: Result<Vec<Vec<Block>>, TooDense> = tiles.into_iter().collect();
     Ok(tiles?.into_iter().flatten().collect())
 }
 
@@ -118,10 +120,14 @@ mod tests {
 
     #[test]
     fn dense_places_are_divided_or_refused() {
-        // 40,000 within one block, none of whose cells has all of them near it.
-        let slab: Vec<DVec3> =
-            random_points(40_000, 0.4, 1).iter().map(|x| *x * DVec3::new(3.9, 1.0, 0.1)).collect();
-        assert!(blocks(&slab).is_ok());
+        // 940 in a cell, so that no block of 64 cells has room in a table, and those of 8 cells have.
+        let dense = blocks(&random_points(60_000, 0.4, 1)).unwrap();
+        let cells = |block: &Block| block.cells.len();
+        assert!(
+            dense.iter().all(|block| cells(block) < FEW_CELLS) && dense.iter().any(|block| cells(block) > 1)
+        );
+        let all = dense.iter().flat_map(|block| block.particles.clone());
+        assert!(all.eq(0..60_000));
         let clump = random_points(MOST + 1, 0.01, 1);
         assert!(blocks(&clump[1..]).is_ok());
         assert!(blocks(&clump).is_err());

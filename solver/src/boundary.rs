@@ -137,7 +137,7 @@ impl Boundary {
         Ok(Boundary { of_particle: Vec::new(), kernel, method, blocks: Vec::new() })
     }
 
-    /// Finds the contacts of all particles (positions in metres) with all bodies, block by block.
+    /// Finds the contacts of all particles (positions in metres) with all bodies, block by block; `neighbours` are theirs.
     pub fn sample(&mut self, bodies: &Bodies, positions: &[DVec3], neighbours: &Neighbours) {
         self.of_particle.clear();
         self.of_particle.resize(positions.len(), Wall::default());

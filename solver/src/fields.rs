@@ -87,7 +87,7 @@ impl Fields {
 
     /// Bytes held.
     pub fn memory_bytes(&self) -> usize {
-        self.places.capacity() * (4 * size_of::<Quad>() + size_of::<Density>() + 6 * size_of::<f32>())
+        self.places.capacity() * (4 * size_of::<Quad>() + size_of::<Density>() + 9 * size_of::<f32>())
     }
 
     /// Density and factor of all particles: Band et al. 2018, Algorithm 1, lines 4 and 5.

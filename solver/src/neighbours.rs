@@ -1,7 +1,7 @@
 //! Which particles are nearer than the support radius, and what they are to each other: the [pairs](crate::pairs) of all
 //! blocks, made once a step.
 //!
-//! A block's [search](search) finds who is near whom; its [rows] are written from that, and with them the sums that go by
+//! A block's search finds who is near whom; its rows are written from that, and with them the sums that go by
 //! the places alone: density and factor.
 
 mod rows;
@@ -23,7 +23,6 @@ use std::ops::Range;
 /// The neighbours of all particles, block by block.
 #[derive(Clone, Debug, Default)]
 pub struct Neighbours {
-    blocks: Vec<Block>,
     lists: Vec<Lists>,
 }
 
@@ -87,7 +86,7 @@ pub fn work<T>(lists: &Lists, f: impl FnOnce(&mut Workspace) -> T) -> T {
 pub struct Sought {
     /// Kernel, support radius and volume.
     pub with: Discretization,
-    /// Whether [bends](Lists::bends) are needed.
+    /// Whether [`Lists::bends()`] are needed.
     pub bends: bool,
 }
 
@@ -104,12 +103,12 @@ impl Neighbours {
         sought: Sought,
         densities: &mut Vec<Density>,
     ) -> Result<(), TooDense> {
-        self.blocks = blocks::divide(cells, places.len())?;
-        self.lists.resize_with(self.blocks.len(), Lists::default);
+        let blocks = blocks::divide(cells, places.len())?;
+        self.lists.resize_with(blocks.len(), Lists::default);
         densities.resize(places.len(), Density::default());
-        let counts = self.blocks.iter().map(|block| block.particles.len());
+        let counts = blocks.iter().map(|block| block.particles.len());
         let out = blocks::split(counts, densities);
-        let all = self.lists.par_iter_mut().zip(&self.blocks).zip(out);
+        let all = self.lists.par_iter_mut().zip(&blocks).zip(out);
         all.for_each(|((lists, block), out)| {
             WORKSPACE.with_borrow_mut(|workspace| {
                 let work = Build { cells, block, places, sought, workspace, lists, out };
@@ -119,10 +118,10 @@ impl Neighbours {
         Ok(())
     }
 
-    /// Particles that aren't anyone's neighbours, in blocks.
-    pub fn none(count: usize) -> Neighbours {
+    /// Particles that aren't anyone's neighbours, in blocks: for what goes by them alone. There are no sums of them.
+    pub(crate) fn none(count: usize) -> Neighbours {
         let block = |first: usize| Lists { first, count: ALONE.min(count - first), ..Lists::default() };
-        Neighbours { blocks: Vec::new(), lists: (0..count).step_by(ALONE).map(block).collect() }
+        Neighbours { lists: (0..count).step_by(ALONE).map(block).collect() }
     }
 
     /// The lists of every block, in order.

@@ -1,6 +1,6 @@
 //! Pairs of neighbours, and the sums over them: all that the solver asks of who is near whom.
 //!
-//! A pair is what one particle is to another, V grad W_ij in fixed point, and where the other's values stand in a [table].
+//! A pair is what one particle is to another, V grad W_ij in fixed point, and where the other's values stand in a table.
 //! Eight bytes: a sum reads them one after the other, and of the other particle one quad.
 //!
 //! ```text
@@ -19,7 +19,7 @@
 //! ```
 //!
 //! Fixed point: the largest gradient that a kernel has is some 32,000, so that a pair is exact to 2e-5 of it; grad W_ij is exactly
-//! -grad W_ji, and sums of them are exact. The factor is V, the kernel's largest slope and the radius: [`Units`].
+//! -grad W_ji, and sums of some hundreds of them are exact. The factor is V, the kernel's largest slope and the radius.
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;

@@ -172,7 +172,7 @@ impl Fields {
     }
 }
 
-/// Errors are summed up in as many parts, so that several are added at once.
+/// The errors of a block, some thousands at most, are summed up in as many parts, so that several are added at once.
 const PARTS: usize = 8;
 
 /// A Jacobi step of a block's particles: `out` has what their pressures compress, and gets the new ones. The sum of the errors.

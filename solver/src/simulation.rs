@@ -245,7 +245,7 @@ impl Simulation {
         let DVec3 { x, y, z } = self.particles.positions[particle];
         self.stopped(format!(
             "more than {} particles are near each other at ({x:.4}, {y:.4}, {z:.4}): look for fluid that begins on top of other \
-             fluid, or for one far away of the others, and give a smaller domain",
+             fluid, or for one far away from the others, and give a smaller domain",
             MOST
         ))
     }
@@ -458,7 +458,7 @@ impl Simulation {
     /// Bytes held by particles and lists.
     pub fn memory_bytes(&self) -> usize {
         let lists = self.neighbours.memory_bytes() + self.extrapolation.memory_bytes();
-        lists + self.boundary.memory_bytes() + self.particles.memory_bytes() + self.fields.memory_bytes()
+        lists + self.boundary.memory_bytes() + 2 * self.particles.memory_bytes() + self.fields.memory_bytes()
     }
 }
 

@@ -10,7 +10,8 @@
 //! preconditioner is the inverse of its 3 x 3 diagonal blocks. A solve begins with the last step's change of the velocities.
 //!
 //! Kept at any tolerance: momentum and angular momentum. What is left of the residual when a solve ends is added to the
-//! velocities, which makes them v0 plus what particles and bodies exchange: opposite forces along the lines between them.
+//! velocities, which makes them v0 plus what particles and bodies exchange: opposite forces along the lines between them,
+//! to the rounding of [bends](crate::pairs).
 
 mod carried;
 pub mod drag;
@@ -112,7 +113,8 @@ impl ViscousSolver {
         let step = system.dt * system.viscosity;
         system.neighbours.with(&mut self.inverses).enumerate().for_each(|(block, (lists, out))| {
             out.fill([0.0; 6]);
-            if let (true, Some(bends)) = (step > 0.0, lists.bends()) {
+            if step > 0.0 {
+                let bends = lists.bends().expect("asked for where there is viscosity");
                 sums::squares_of_bends(lists, bends, out);
             }
             let unit = step * f64::from(lists.unit_of_bends());
@@ -174,8 +176,7 @@ impl ViscousSolver {
 
     /// The next direction: p <- z + part p.
     fn turn(&mut self, part: f32, preconditioned: &[Quad]) {
-        let count = self.inverses.len();
-        let all = self.direction[..count].par_iter_mut().zip(preconditioned).with_min_len(CHUNK);
+        let all = self.direction.par_iter_mut().zip(preconditioned).with_min_len(CHUNK);
         all.for_each(|(direction, z)| {
             for axis in 0..3 {
                 direction[axis] = z[axis] + part * direction[axis];
@@ -222,7 +223,7 @@ impl ViscousSystem<'_> {
     }
 
     fn subtract_laplacian(&self, lists: &Lists, field: &[Quad], factor: f32, out: &mut [Quad]) {
-        let Some(bends) = lists.bends() else { return };
+        let bends = lists.bends().expect("asked for where there is viscosity");
         neighbours::work(lists, |workspace| {
             workspace.vectors.fill(lists.table(), field);
             sums::bends(lists, bends, &workspace.vectors, &mut workspace.sums);

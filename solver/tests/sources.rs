@@ -6,7 +6,8 @@ use tempfile::TempDir;
 use volmap_runtime::{ClosureKind, DVec3};
 use volmap_solver::scene::map::Origin;
 use volmap_solver::scene::{
-    Bake, Block, Body, Fill, PerAxis, Prepared, Region, Rotation, Scene, load, prepare,
+    Bake, Block, Body, Fill, Keyframe, Motion, PerAxis, Prepared, Region, Rotation, Scene, Spin, load,
+    prepare,
 };
 
 fn data(name: &str) -> PathBuf {
@@ -39,6 +40,30 @@ fn cube(min: [f64; 3], edge: f64) -> Block {
 fn nearest_pair(points: &[DVec3]) -> f64 {
     let pairs = points.iter().enumerate().flat_map(|(i, a)| points[..i].iter().map(move |b| a.distance(*b)));
     pairs.fold(f64::INFINITY, f64::min)
+}
+
+/// What turns by itself would stir the fluid by the roughness of its map.
+#[test]
+fn bodies_that_turn_have_finer_cells() {
+    let cache = tempfile::tempdir().unwrap();
+    let cell = |motion: Motion, cell_size: Option<f64>| {
+        let body = Body { motion, ..body(Bake { invert: true, cell_size, ..Bake::default() }) };
+        let blocks = vec![cube([0.0, 1.0, 0.0], 0.6)];
+        let closure = Some(ClosureKind::Mirror);
+        let scene = Scene { closure, particle_radius: 0.15, bodies: vec![body], blocks, ..scene(&cache) };
+        run(&scene).unwrap().bodies[0].map.grid().cell_size.x
+    };
+    let spin = |rpm| Motion::Spin(Spin { axis: [0.0, 1.0, 0.0], rpm, centre: None });
+    let frame = |time, degrees| Keyframe {
+        time,
+        translation: [time, 0.0, 0.0],
+        rotation: Rotation { axis: Some([0.0, 1.0, 0.0]), degrees: Some(degrees), quaternion: None },
+    };
+    let keys = |degrees| Motion::Keyframes(vec![frame(0.0, 0.0), frame(1.0, degrees)]);
+    for (motion, cells) in [(spin(5.0), 12.0), (spin(0.0), 8.0), (keys(10.0), 12.0), (keys(0.0), 8.0)] {
+        assert!((cell(motion, None) - 0.6 / cells).abs() < 1e-9, "{cells}");
+    }
+    assert!((cell(spin(5.0), Some(0.1)) - 0.1).abs() < 1e-9, "what the scene says holds");
 }
 
 #[test]

@@ -140,7 +140,7 @@ impl BodyParticles {
     }
 }
 
-/// Adds the contacts of a chunk: density V_b W_ib and gradient V_b grad W_ib of each boundary particle in reach.
+/// Adds the contacts of a block: density V_b W_ib and gradient V_b grad W_ib of each boundary particle in reach.
 pub(super) fn touch(
     pairing: Pairing,
     kernel: &Kernel,

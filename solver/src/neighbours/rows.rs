@@ -17,7 +17,7 @@ const MANY: usize = 63;
 #[derive(Default)]
 pub(super) struct Writer {
     near: Near,
-    /// Where each list begins; groups of eight may be read beyond its end.
+    /// Where each list begins, and the last one ends; behind it may be written.
     starts: Vec<usize>,
     /// First particle of the window.
     first: usize,

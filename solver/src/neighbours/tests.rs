@@ -79,7 +79,7 @@ impl Neighbours {
             lists
         };
         let lists = blocks.iter().map(build).collect();
-        Neighbours { blocks, lists }
+        Neighbours { lists }
     }
 }
 
@@ -136,6 +136,23 @@ fn clusters_and_coincident_particles_are_found() {
     positions.extend(random_points(300, 0.05, 2).iter().map(|x| *x + 0.6));
     positions.extend([DVec3::new(-3.0, 0.0, 0.0), DVec3::new(0.0, 4.0, 9.0)]);
     check(&positions, 0.1, 1e-5);
+}
+
+/// So dense that blocks are divided, and tables nearly full: some of the lists against all pairs.
+#[test]
+fn divided_blocks_have_the_same_neighbours() {
+    let Arranged { positions, neighbours, .. } = arrange(&random_points(60_000, 0.4, 1), 0.1);
+    let largest = neighbours.lists().iter().map(|lists| lists.table().iter().map(Range::len).sum::<usize>());
+    assert!(largest.max().unwrap() > 20_000);
+    for lists in neighbours.lists().iter().step_by(5) {
+        let own = positions[lists.first];
+        let mut found: Vec<usize> = listed(lists, 0).into_iter().map(|(other, _)| other).collect();
+        found.sort_unstable();
+        let near = |n: &usize| *n != lists.first && positions[*n].distance(own) < 0.1;
+        let slow: Vec<usize> = (0..positions.len()).filter(near).collect();
+        let unlike = slow.iter().filter(|n| found.binary_search(n).is_err()).count();
+        assert!(slow.len().abs_diff(found.len()) <= 2 && unlike <= 2, "but for rounding at the radius");
+    }
 }
 
 #[test]

@@ -181,7 +181,7 @@ impl Lanes for Avx {
             let from = quads.as_ptr().cast::<f32>();
             let (a, b) = (_mm256_loadu_ps(from), _mm256_loadu_ps(from.add(8)));
             let (c, d) = (_mm256_loadu_ps(from.add(16)), _mm256_loadu_ps(from.add(24)));
-            // Of one half each: first, third, fifth, seventh; and the others.
+            // Lower halves are of quads 0, 2, 4 and 6, upper ones of 1, 3, 5 and 7.
             let [x, y, z, _] = transpose(a, b, c, d);
             let sums = ((x + y) + z).0;
             let (even, odd) = (_mm256_castps256_ps128(sums), _mm256_extractf128_ps::<1>(sums));
@@ -245,12 +245,17 @@ static FRONT: [[u32; LANES]; 256] = {
     table
 };
 
+/// Integers of 16 bits and more.
+trait Wide {}
+impl Wide for i16 {}
+impl Wide for u32 {}
+
 /// The lower 16 bits. Volatile: the compiler would take them out of the vector of all numbers there, which is slower than to
 /// load them once more.
 #[inline(always)]
-fn place<T>(number: &T) -> u16 {
+fn place<T: Wide>(number: &T) -> u16 {
     const { assert!(size_of::<T>() >= size_of::<u16>() && align_of::<T>() >= align_of::<u16>()) };
-    // SAFETY: a reference to numbers as wide or wider, which are little-endian on this processor.
+    // SAFETY: a reference to an integer as wide or wider, which is little-endian on this processor.
     unsafe { (&raw const *number).cast::<u16>().read_volatile() }
 }
 

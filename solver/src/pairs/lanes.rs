@@ -10,7 +10,7 @@ use std::ops::{Add, Div, Mul, Sub};
 /// Pairs that are evaluated together.
 pub const LANES: usize = 8;
 
-/// Four numbers of a particle, which are read together: a place and one more, or a vector.
+/// Four numbers of a particle, which are read together: a place or a vector, and 0.
 pub type Quad = [f32; 4];
 
 /// Places of eight particles in a [table](super::table), twice their numbers there, in the lower 16 bits of each.

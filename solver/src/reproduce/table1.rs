@@ -16,6 +16,8 @@ use volmap_baker::picture::colours::DISTINCT;
 use volmap_baker::plan::GridChoice;
 use volmap_runtime::{ClosureKind, DVec3};
 
+/// Places that maps are asked about at once.
+const AT_ONCE: usize = 512;
 /// It.
 pub const EXPERIMENT: Experiment = Experiment {
     name: "table1",
@@ -139,10 +141,10 @@ impl Racer {
         Ok(())
     }
 
-    /// What the solver spends to find particles in bodies, as [`crate::boundary::Boundary::sample`] does it.
+    /// What the solver spends to find particles in bodies, as many at once as a block has.
     fn map_queries(&self) -> Duration {
         let start = Instant::now();
-        let chunks = self.simulation.particles().positions.par_chunks(512);
+        let chunks = self.simulation.particles().positions.par_chunks(AT_ONCE);
         chunks.for_each_init(Vec::new, |samples, positions| {
             for body in self.simulation.bodies().posed() {
                 body.sample_with_gradient_batch(positions, samples);

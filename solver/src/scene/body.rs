@@ -47,7 +47,8 @@ pub struct Bake {
     pub thickness: f64,
     /// Cells of the map, one number or three.
     pub resolution: Option<PerAxis<u32>>,
-    /// Or the edge of its cubic cells, metres. Default: a quarter of the support radius.
+    /// Or the edge of its cubic cells, metres. Default: a quarter of the support radius; with closure `mirror` an eighth, and
+    /// a twelfth of bodies that turn by `motion`.
     pub cell_size: Option<f64>,
 }
 
@@ -183,6 +184,15 @@ impl<'a> Source<'a> {
 }
 
 impl Body {
+    /// Whether it turns as it is told to, whatever the fluid does.
+    pub fn turns(&self) -> bool {
+        match &self.motion {
+            Motion::Spin(spin) => spin.rpm != 0.0,
+            Motion::Keyframes(frames) => frames.windows(2).any(|pair| pair[0].rotation != pair[1].rotation),
+            Motion::Static | Motion::Free(_) => false,
+        }
+    }
+
     /// Its map or mesh.
     pub fn source(&self) -> Option<Source<'_>> {
         Source::of(self.map.as_deref(), self.mesh.as_deref(), &self.bake)

@@ -1,6 +1,6 @@
 //! From a body's file to its volume map: opened, or baked on first use and kept in a cache.
 
-use super::body::{Bake, Source, Up};
+use super::body::{Bake, Body, Source, Up};
 use crate::boundary::density_map;
 use crate::error::Error;
 use crate::output::io_error;
@@ -52,6 +52,8 @@ pub struct Library<'a> {
     support_radius: f64,
     /// Edge of their cells by default, metres.
     cell_size: f64,
+    /// The same of bodies that turn.
+    cell_size_of_turning: f64,
     /// The kernel whose density bodies need in their maps, if they need one.
     density: Option<KernelKind>,
     cache: PathBuf,
@@ -80,12 +82,22 @@ impl<'a> Library<'a> {
             closure,
             support_radius: closure.map_radius(world.support_radius),
             cell_size: cell_size(closure, world.support_radius),
+            cell_size_of_turning: cell_size_of_turning(closure, world.support_radius),
             density,
             cache,
             shapes: Vec::new(),
             notes: Vec::new(),
             on_bake,
         }
+    }
+
+    /// The body with the cells that its map needs, if it leaves them open.
+    pub fn with_cells(&self, body: &Body) -> Body {
+        let mut body = body.clone();
+        if body.turns() && body.bake.resolution.is_none() && body.bake.cell_size.is_none() {
+            body.bake.cell_size = Some(self.cell_size_of_turning);
+        }
+        body
     }
 
     /// The map of a source; `key` is the scene's name for it, as `bodies[0]`. The same source gives the same
@@ -247,6 +259,13 @@ impl<'a> Library<'a> {
 pub fn cell_size(closure: ClosureKind, support_radius: f64) -> f64 {
     let cells_per_radius = if closure == ClosureKind::Mirror { 2.0 } else { 4.0 };
     closure.map_radius(support_radius) / cells_per_radius
+}
+
+/// The same for bodies that turn by themselves. Between its nodes a map's wall is rough by some thousandths of the particle
+/// radius; one that turns stirs the fluid by that (see `sphere` in VALIDATION.md), the less the smaller its cells are.
+pub fn cell_size_of_turning(closure: ClosureKind, support_radius: f64) -> f64 {
+    let finer = if closure == ClosureKind::Mirror { 2.0 / 3.0 } else { 1.0 };
+    finer * cell_size(closure, support_radius)
 }
 
 /// Containers with cells so many times larger are worth a note.

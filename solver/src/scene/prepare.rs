@@ -78,7 +78,8 @@ pub fn prepare(scene: &Scene, on_bake: &mut dyn FnMut(&Path)) -> Result<Prepared
     let (mut bodies, mut files) = (Vec::new(), Vec::new());
     for (i, (settings, name)) in scene.bodies.iter().zip(body::names(&scene.bodies)).enumerate() {
         let key = format!("bodies[{i}]");
-        let source = given(settings.source(), &key)?;
+        let baked = library.with_cells(settings);
+        let source = given(baked.source(), &key)?;
         let Shape { map, mesh, origin, content } = library.obtain_for_body(source, &key)?;
         files.push(SourceFile { path: source.path().to_owned(), content });
         let boundary_particles = count_particles(scene, mesh.as_deref(), &key)?;

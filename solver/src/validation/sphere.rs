@@ -3,13 +3,14 @@
 
 use super::flow::{GRAVITY, lattice, water};
 use super::observe::{momenta, rms_speed, until};
-use super::shapes::{Shape, baked, ball};
+use super::shapes::{Shape, baked_finely, ball};
 use super::{Experiment, Outcome, Row, Run, chart, curve};
 use crate::bodies::{Motion, Path, Spin};
 use crate::error::Error;
+use crate::scene::map::cell_size_of_turning;
 use std::f64::consts::PI;
 use volmap_baker::picture::colours::DISTINCT;
-use volmap_runtime::DVec3;
+use volmap_runtime::{ClosureKind, DVec3};
 
 /// It.
 pub const EXPERIMENT: Experiment = Experiment {
@@ -37,7 +38,10 @@ struct Calm {
 fn run(run: &Run) -> Result<Outcome, Error> {
     let mut outcome = Outcome::default();
     let radius = run.pick(0.025, 0.0125);
-    let hollow = baked(ball(RADIUS, 6), 4.0 * radius, true)?;
+    // As scenes bake what turns.
+    let (closure, support) = (ClosureKind::Mirror, 4.0 * radius);
+    let cell = cell_size_of_turning(closure, support);
+    let hollow = baked_finely(ball(RADIUS, 6), closure.map_radius(support), cell, true)?;
     let level = Spin { axis: DVec3::X, centre: DVec3::ZERO, speed: SPEED * PI / 30.0 };
     let spins = [
         ("at rest", None),
