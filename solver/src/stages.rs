@@ -7,11 +7,11 @@ use std::time::{Duration, Instant};
 pub struct Stages {
     /// Sorting the particles by cells, with emitters and the choice of the time step.
     pub sort: Duration,
-    /// Lists of neighbours.
+    /// Pairs of neighbours, with the kernel's sums.
     pub neighbours: Duration,
     /// Asking the maps.
     pub boundary: Duration,
-    /// Density and factor.
+    /// Density and factor, of these sums and the boundary's.
     pub density: Duration,
     /// The divergence solve.
     pub divergence: Duration,

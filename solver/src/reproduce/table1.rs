@@ -66,7 +66,7 @@ fn run(run: &Run) -> Result<Outcome, Error> {
 
 const NOTE: &str = "61,250 particles instead of 3 million (short: 6,912); medians over steps in ms per million particles, the paper's \
                     means divided by 3. The fewer particles, the more of them are near a wall. Neighbour search is sorting and the lists of \
-                    fluid neighbours, and with boundary particles their contacts, too. Pressure is densities, both solves, and with maps \
+                    fluid neighbours, and with boundary particles their contacts, too. Pressure is both solves, and with maps \
                     their queries. Non-pressure is viscosity, gravity and new places. The solver asks the maps with boundary particles as \
                     well, to find particles inside bodies; these queries are timed by themselves after each step and taken off. The \
                     four simulations take turns, step by step. Maps have cells of r / 2, that of the default closure is a narrow one, of \
