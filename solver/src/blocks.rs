@@ -120,14 +120,13 @@ mod tests {
 
     #[test]
     fn dense_places_are_divided_or_refused() {
-        // 940 in a cell, so that no block of 64 cells has room in a table, and those of 8 cells have.
-        let dense = blocks(&random_points(60_000, 0.4, 1)).unwrap();
-        let cells = |block: &Block| block.cells.len();
-        assert!(
-            dense.iter().all(|block| cells(block) < FEW_CELLS) && dense.iter().any(|block| cells(block) > 1)
-        );
+        // 900 in each of 8 x 8 x 2 cells, so that no block of 64 cells has room in a table, and those of 8 cells have.
+        let slab: Vec<DVec3> =
+            random_points(115_200, 0.8, 1).iter().map(|x| *x * DVec3::new(1.0, 1.0, 0.25)).collect();
+        let dense = blocks(&slab).unwrap();
+        assert!(dense.iter().all(|block| block.cells.len() == 8));
         let all = dense.iter().flat_map(|block| block.particles.clone());
-        assert!(all.eq(0..60_000));
+        assert!(all.eq(0..slab.len()));
         let clump = random_points(MOST + 1, 0.01, 1);
         assert!(blocks(&clump[1..]).is_ok());
         assert!(blocks(&clump).is_err());

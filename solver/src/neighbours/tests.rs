@@ -138,23 +138,6 @@ fn clusters_and_coincident_particles_are_found() {
     check(&positions, 0.1, 1e-5);
 }
 
-/// So dense that blocks are divided, and tables nearly full: some of the lists against all pairs.
-#[test]
-fn divided_blocks_have_the_same_neighbours() {
-    let Arranged { positions, neighbours, .. } = arrange(&random_points(60_000, 0.4, 1), 0.1);
-    let largest = neighbours.lists().iter().map(|lists| lists.table().iter().map(Range::len).sum::<usize>());
-    assert!(largest.max().unwrap() > 20_000);
-    for lists in neighbours.lists().iter().step_by(5) {
-        let own = positions[lists.first];
-        let mut found: Vec<usize> = listed(lists, 0).into_iter().map(|(other, _)| other).collect();
-        found.sort_unstable();
-        let near = |n: &usize| *n != lists.first && positions[*n].distance(own) < 0.1;
-        let slow: Vec<usize> = (0..positions.len()).filter(near).collect();
-        let unlike = slow.iter().filter(|n| found.binary_search(n).is_err()).count();
-        assert!(slow.len().abs_diff(found.len()) <= 2 && unlike <= 2, "but for rounding at the radius");
-    }
-}
-
 #[test]
 fn far_and_wide_domains_are_searched() {
     let shift = DVec3::new(1e5, -1e5, 1e5);
