@@ -19,8 +19,6 @@ pub const EXPERIMENT: Experiment = Experiment {
     run,
 };
 
-/// Particle radius, metres.
-const RP: f64 = 0.02;
 /// Half the tank's width, and the water's depth without a body, metres.
 const HALF_WIDTH: f64 = 0.4;
 const DEPTH: f64 = 0.6;
@@ -28,8 +26,9 @@ const RHO: f64 = 1000.0;
 
 fn run(run: &Run) -> Result<Outcome, Error> {
     let mut outcome = Outcome::default();
-    let support = 4.0 * RP;
-    let tank = Tank { shape: baked(hollow(), support, true)? };
+    let radius = run.pick(0.02, 0.04 / 3.0);
+    let support = 4.0 * radius;
+    let tank = Tank { shape: baked(hollow(), support, true)?, radius };
     let ball = baked(ball(0.16, 5), support, false)?;
     let cube = baked(cube(), support, false)?;
     let all: [(&str, &Shape); 2] = [("ball", &ball), ("box", &cube)];
@@ -69,23 +68,25 @@ fn hollow() -> volmap_formats::mesh::TriangleMesh {
 
 struct Tank {
     shape: Shape,
+    /// Of the particles, metres.
+    radius: f64,
 }
 
 impl Tank {
     /// Water with a body in it; free bodies only.
     fn with(&self, body: BodyDescription) -> Result<Simulation, Error> {
-        let size = DVec3::new(HALF_WIDTH, DEPTH, HALF_WIDTH);
-        let clear = |map: &VolumeMap, x: DVec3| map.values(x).distance > 0.9 * RP;
-        let mut places = lattice(DVec3::new(-size.x, 0.0, -size.z), size, RP);
+        let (size, radius) = (DVec3::new(HALF_WIDTH, DEPTH, HALF_WIDTH), self.radius);
+        let clear = |map: &VolumeMap, x: DVec3| map.values(x).distance > 0.9 * radius;
+        let mut places = lattice(DVec3::new(-size.x, 0.0, -size.z), size, radius);
         places.retain(|&x| clear(&body.map, body.pose.to_map(x)));
-        disturb(&mut places);
+        disturb(&mut places, radius);
         let tank = self.shape.body("tank", DVec3::ZERO, Motion::Static);
-        water(RP, &places, 0.01, vec![tank, body])
+        water(radius, &places, 0.01, vec![tank, body])
     }
 }
 
 /// Moves every particle by up to 0.3 rp along each axis, at random.
-fn disturb(places: &mut [DVec3]) {
+fn disturb(places: &mut [DVec3], radius: f64) {
     let mut state = 1u64;
     let mut random = || {
         // Knuth's MMIX.
@@ -93,7 +94,7 @@ fn disturb(places: &mut [DVec3]) {
         (state >> 33) as f64 / f64::from(1u32 << 30) - 1.0
     };
     for place in places {
-        *place += 0.3 * RP * DVec3::new(random(), random(), random());
+        *place += 0.3 * radius * DVec3::new(random(), random(), random());
     }
 }
 
@@ -141,11 +142,17 @@ fn held_under_water(
     Ok(())
 }
 
+/// Radius of the particles, which are cubes of the lattice, metres.
+fn radius(simulation: &Simulation) -> f64 {
+    0.5 * simulation.particle_volume().cbrt()
+}
+
 /// Offset (metres) and slope, about -1, of p / (rho g) over y, of particles far from body, walls, floor and surface.
 fn pressure_line(simulation: &Simulation) -> [f64; 2] {
+    let rp = radius(simulation);
     let far = |x: &DVec3| {
         let aside = x.x.abs().max(x.z.abs());
-        aside > 0.27 && aside < HALF_WIDTH - 3.0 * RP && x.y > 4.0 * RP && x.y < DEPTH - 6.0 * RP
+        aside > 0.27 && aside < HALF_WIDTH - 3.0 * rp && x.y > 4.0 * rp && x.y < DEPTH - 6.0 * rp
     };
     let pressures = simulation.pressures();
     let all = simulation.particles().positions.iter().zip(&pressures).filter(|(x, _)| far(x));
@@ -156,9 +163,10 @@ fn pressure_line(simulation: &Simulation) -> [f64; 2] {
 /// Mass of the particles in a frame around the body, over its volume and rho_0; each counts as the part of its cube that is
 /// in the frame.
 fn counted_density(simulation: &Simulation) -> f64 {
-    let [low, high] = [4.0 * RP, DEPTH - 8.0 * RP];
-    let [inner, outer] = [0.25, HALF_WIDTH - 3.0 * RP];
-    let part = |x: f64, from: f64, to: f64| (((x + RP).min(to) - (x - RP).max(from)) / (2.0 * RP)).max(0.0);
+    let rp = radius(simulation);
+    let [low, high] = [4.0 * rp, DEPTH - 8.0 * rp];
+    let [inner, outer] = [0.25, HALF_WIDTH - 3.0 * rp];
+    let part = |x: f64, from: f64, to: f64| (((x + rp).min(to) - (x - rp).max(from)) / (2.0 * rp)).max(0.0);
     let square = |x: &DVec3, half: f64| part(x.x, -half, half) * part(x.z, -half, half);
     let all = simulation.particles().positions.iter();
     let count: f64 = all.map(|x| part(x.y, low, high) * (square(x, outer) - square(x, inner))).sum();
@@ -181,7 +189,7 @@ fn level_by_volume(simulation: &Simulation, shape: &Shape, pose: Pose) -> f64 {
 
 /// Mean height of the highest particles in columns far from the body and the walls, and a particle radius.
 fn surface_level(simulation: &Simulation) -> f64 {
-    let side = 4.0 * RP;
+    let side = 4.0 * radius(simulation);
     let mut tops = std::collections::BTreeMap::new();
     for x in &simulation.particles().positions {
         if x.x.abs().max(x.z.abs()) > 0.27 {
@@ -190,7 +198,7 @@ fn surface_level(simulation: &Simulation) -> f64 {
             *top = x.y.max(*top);
         }
     }
-    tops.values().sum::<f64>() / tops.len() as f64 + RP
+    tops.values().sum::<f64>() / tops.len() as f64 + radius(simulation)
 }
 
 /// Lets a body float; the submerged part over Archimedes' with time.
