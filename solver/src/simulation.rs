@@ -244,9 +244,8 @@ impl Simulation {
     fn too_dense(&self, TooDense { particle }: TooDense) -> Error {
         let DVec3 { x, y, z } = self.particles.positions[particle];
         self.stopped(format!(
-            "more than {} particles are near each other at ({x:.4}, {y:.4}, {z:.4}): look for fluid that begins on top of other \
-             fluid, or for one far away from the others, and give a smaller domain",
-            MOST
+            "more than {MOST} particles are near each other at ({x:.4}, {y:.4}, {z:.4}): look for fluid that begins on top of other \
+             fluid, or for one far away from the others, and give a smaller domain"
         ))
     }
 

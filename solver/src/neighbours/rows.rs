@@ -4,7 +4,7 @@
 use super::Lists;
 use super::search::Near;
 use crate::pairs::kernels::{KernelLanes, SMALL};
-use crate::pairs::lanes::{Group, LANES, Lanes, Quad};
+use crate::pairs::lanes::{Group, LANES, Lanes, places_of};
 use crate::pairs::table::Quads;
 use crate::pairs::{Density, Row, SLICE, Units};
 
@@ -66,20 +66,16 @@ impl Writer {
         let mut order = [0; WINDOW];
         for slice in self.order(&mut order).chunks(SLICE) {
             self.turn(slice, 2 * far as u32);
-            let mut particles = [far; SLICE];
+            let mut particles = [lists.count as u16; SLICE];
             for (particle, number) in particles.iter_mut().zip(slice) {
-                *particle = self.first + number;
+                *particle = (self.first + number) as u16;
             }
             let mut sums = Slice::<V>::new(table, &particles);
             for places in &self.turned {
                 sums.add::<K>(table, places, lists);
             }
             sums.end::<K>(&particles[..slice.len()], lists.units, out);
-            let mut numbers = [0; SLICE];
-            for (number, particle) in numbers.iter_mut().zip(particles) {
-                *number = particle.min(lists.count) as u16;
-            }
-            lists.slices.push((numbers, lists.rows.len() as u32));
+            lists.slices.push((particles, lists.rows.len() as u32));
         }
         lists.pairs += self.near.end;
         self.first += self.starts.len() - 1;
@@ -131,21 +127,10 @@ impl Writer {
 
 impl<V: Lanes> Slice<V> {
     #[inline(always)]
-    fn new(table: &Quads, particles: &[usize; SLICE]) -> Slice<V> {
+    fn new(table: &Quads, particles: &[u16; SLICE]) -> Slice<V> {
         let zero = V::splat(0.0);
-        let mut at = [[0.0; LANES]; 3];
-        for (lane, &particle) in particles.iter().enumerate() {
-            let place: Quad = table.values()[particle];
-            for (axis, at) in at.iter_mut().enumerate() {
-                at[lane] = place[axis];
-            }
-        }
-        Slice {
-            at: [V::load(&at[0]), V::load(&at[1]), V::load(&at[2])],
-            value: zero,
-            gradient: [zero; 3],
-            squares: zero,
-        }
+        let at = V::gather(table, &places_of(particles));
+        Slice { at, value: zero, gradient: [zero; 3], squares: zero }
     }
 
     /// Adds a neighbour of each particle.
@@ -170,7 +155,7 @@ impl<V: Lanes> Slice<V> {
 
     /// Density, gradient and squares of each particle.
     #[inline(always)]
-    fn end<K: KernelLanes>(&self, particles: &[usize], units: Units, out: &mut [Density]) {
+    fn end<K: KernelLanes>(&self, particles: &[u16], units: Units, out: &mut [Density]) {
         let own = K::value(V::splat(0.0));
         let density = (V::splat(units.density) * (own + self.value)).array();
         let squares = (V::splat(units.gradient) * V::splat(units.gradient) * self.squares).array();
@@ -178,7 +163,7 @@ impl<V: Lanes> Slice<V> {
         let [x, y, z] = self.gradient;
         let (x, y, z) = ((unit * x).array(), (unit * y).array(), (unit * z).array());
         for (n, &particle) in particles.iter().enumerate() {
-            out[particle] =
+            out[usize::from(particle)] =
                 Density { density: density[n], gradient: [x[n], y[n], z[n]], squares: squares[n] };
         }
     }

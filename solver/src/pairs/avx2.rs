@@ -104,26 +104,13 @@ impl Lanes for Avx {
 
     #[inline(always)]
     fn gather(table: &Quads, places: &Group) -> [Avx; 3] {
-        let place = |lane: usize| place(&places[lane]);
-        let [x, y, z, _] = transpose(
-            two(table, place(0), place(4)),
-            two(table, place(1), place(5)),
-            two(table, place(2), place(6)),
-            two(table, place(3), place(7)),
-        );
-        [x, y, z]
+        columns(table, places.each_ref())
     }
 
     #[inline(always)]
     fn gather_row(table: &Quads, row: &Row) -> [Avx; 3] {
-        let place = |lane: usize| place(&row.0[lane][3]);
-        let [x, y, z, _] = transpose(
-            two(table, place(0), place(4)),
-            two(table, place(1), place(5)),
-            two(table, place(2), place(6)),
-            two(table, place(3), place(7)),
-        );
-        [x, y, z]
+        let [a, b, c, d, e, f, g, h] = &row.0;
+        columns(table, [&a[3], &b[3], &c[3], &d[3], &e[3], &f[3], &g[3], &h[3]])
     }
 
     #[inline(always)]
@@ -146,32 +133,12 @@ impl Lanes for Avx {
 
     #[inline(always)]
     fn sum_of_rows(rows: &[Row], table: &Quads) -> [Quad; SLICE] {
-        // SAFETY: see the top of the file.
-        unsafe {
-            let mut sums = [_mm256_setzero_ps(); SLICE / 2];
-            for row in rows {
-                for (n, sum) in sums.iter_mut().enumerate() {
-                    let of = two(table, place(&row.0[2 * n][3]), place(&row.0[2 * n + 1][3]));
-                    *sum = _mm256_add_ps(*sum, _mm256_mul_ps(numbers(row, n), of));
-                }
-            }
-            quads(sums)
-        }
+        sum_of(rows, table)
     }
 
     #[inline(always)]
     fn sum_of_scaled_rows(rows: &[Row], table: &Numbers) -> [Quad; SLICE] {
-        // SAFETY: see the top of the file.
-        unsafe {
-            let mut sums = [_mm256_setzero_ps(); SLICE / 2];
-            for row in rows {
-                for (n, sum) in sums.iter_mut().enumerate() {
-                    let of = two_numbers(table, place(&row.0[2 * n][3]), place(&row.0[2 * n + 1][3]));
-                    *sum = _mm256_add_ps(*sum, _mm256_mul_ps(numbers(row, n), of));
-                }
-            }
-            quads(sums)
-        }
+        sum_of(rows, table)
     }
 
     #[inline(always)]
@@ -257,6 +224,49 @@ fn place<T: Wide>(number: &T) -> u16 {
     const { assert!(size_of::<T>() >= size_of::<u16>() && align_of::<T>() >= align_of::<u16>()) };
     // SAFETY: a reference to an integer as wide or wider, which is little-endian on this processor.
     unsafe { (&raw const *number).cast::<u16>().read_volatile() }
+}
+
+/// What a table has for two pairs.
+trait Values {
+    fn two(&self, low: u16, high: u16) -> __m256;
+}
+
+impl Values for Quads {
+    #[inline(always)]
+    fn two(&self, low: u16, high: u16) -> __m256 {
+        two(self, low, high)
+    }
+}
+
+impl Values for Numbers {
+    #[inline(always)]
+    fn two(&self, low: u16, high: u16) -> __m256 {
+        two_numbers(self, low, high)
+    }
+}
+
+/// For each particle of a slice, the sum of its pairs' numbers times those of the table.
+#[inline(always)]
+fn sum_of(rows: &[Row], table: &impl Values) -> [Quad; SLICE] {
+    // SAFETY: see the top of the file.
+    unsafe {
+        let mut sums = [_mm256_setzero_ps(); SLICE / 2];
+        for row in rows {
+            for (n, sum) in sums.iter_mut().enumerate() {
+                let of = table.two(place(&row.0[2 * n][3]), place(&row.0[2 * n + 1][3]));
+                *sum = _mm256_add_ps(*sum, _mm256_mul_ps(numbers(row, n), of));
+            }
+        }
+        quads(sums)
+    }
+}
+
+/// First, second and third numbers of the quads at eight places.
+#[inline(always)]
+fn columns<T: Wide>(table: &Quads, [a, b, c, d, e, f, g, h]: [&T; LANES]) -> [Avx; 3] {
+    let two = |low: &T, high: &T| two(table, place(low), place(high));
+    let [x, y, z, _] = transpose(two(a, e), two(b, f), two(c, g), two(d, h));
+    [x, y, z]
 }
 
 /// The quads at two places.

@@ -104,6 +104,16 @@ pub(crate) trait Lanes:
     }
 }
 
+/// The places of particles by their numbers in a table.
+#[inline(always)]
+pub(crate) fn places_of(particles: &[u16; LANES]) -> Group {
+    let mut places = [0; LANES];
+    for (place, &particle) in places.iter_mut().zip(particles) {
+        *place = 2 * u32::from(particle);
+    }
+    places
+}
+
 /// The number of the particle at a place.
 #[inline(always)]
 fn number(place: u16) -> usize {

@@ -54,6 +54,14 @@ pub fn squares_of_bends(lists: &Lists, bends: &[Row], out: &mut [Symmetric]) {
     }
 }
 
+/// What comes of a slice, to its particles.
+#[inline(always)]
+fn put<T>(particles: &[u16; SLICE], sums: [T; SLICE], out: &mut [T]) {
+    for (&particle, sum) in particles.iter().zip(sums) {
+        out[usize::from(particle)] = sum;
+    }
+}
+
 pub(super) struct Accelerations<'a> {
     pub lists: &'a Lists,
     pub table: &'a Numbers,
@@ -68,9 +76,7 @@ impl Work for Accelerations<'_> {
         let Room { sums, out } = self.work;
         for (particles, rows) in self.lists.slices() {
             let of_slice = V::sum_of_scaled_rows(&self.lists.rows()[rows], self.table);
-            for (&particle, sum) in particles.iter().zip(of_slice) {
-                sums[usize::from(particle)] = sum;
-            }
+            put(particles, of_slice, sums);
         }
         let unit = self.lists.unit();
         let own = self.pressures.iter().zip(self.gradients);
@@ -96,9 +102,7 @@ impl Work for Fluxes<'_> {
         let Room { sums, out } = self.work;
         for (particles, rows) in self.lists.slices() {
             let of_slice = V::across(V::sum_of_rows(&self.lists.rows()[rows], self.table));
-            for (&particle, sum) in particles.iter().zip(of_slice) {
-                sums[usize::from(particle)] = sum;
-            }
+            put(particles, of_slice, sums);
         }
         let unit = self.lists.unit();
         let own = self.own.chunks(SLICE).zip(self.gradients.chunks(SLICE));
@@ -128,9 +132,7 @@ impl Work for OfBends<'_> {
             let own = particles.map(|particle| self.table.values()[usize::from(particle)]);
             let (pairs, bends) = (&self.lists.rows()[rows.clone()], &self.bends[rows]);
             let sums = V::sum_of_bends(pairs, bends, self.table, own);
-            for (&particle, sum) in particles.iter().zip(sums) {
-                self.out[usize::from(particle)] = sum;
-            }
+            put(particles, sums, self.out);
         }
     }
 }

@@ -2,7 +2,7 @@
 //! the velocity differences of XSPH (Schechter and Bridson 2012). Both conserve momentum: particles have one volume.
 
 use super::kernels::{KernelLanes, SMALL};
-use super::lanes::{LANES, Lanes, Quad, dispatch};
+use super::lanes::{Lanes, dispatch, places_of};
 use super::table::Quads;
 use super::{SLICE, Units, WithKernel, WorkOfKernel};
 use crate::fields::Discretization;
@@ -59,7 +59,8 @@ impl<const MEAN: bool> Viscosity<'_, MEAN> {
     #[inline(always)]
     fn of_slice<V: Lanes, K: KernelLanes>(&self, particles: &[u16; SLICE], rows: Range<usize>) -> [V; 6] {
         let Motion { places, velocities } = self.motion;
-        let (at, own) = (turned::<V>(places, particles), turned::<V>(velocities, particles));
+        let itself = places_of(particles);
+        let (at, own) = (V::gather(places, &itself), V::gather(velocities, &itself));
         let (zero, small) = (V::splat(0.0), V::splat(SMALL));
         let (mut laplacian, mut mean) = ([zero; 3], [zero; 3]);
         for row in &self.lists.rows()[rows] {
@@ -78,17 +79,4 @@ impl<const MEAN: bool> Viscosity<'_, MEAN> {
         }
         [laplacian[0], laplacian[1], laplacian[2], mean[0], mean[1], mean[2]]
     }
-}
-
-/// The quads of a slice's particles, coordinate by coordinate.
-#[inline(always)]
-fn turned<V: Lanes>(table: &Quads, particles: &[u16; SLICE]) -> [V; 3] {
-    let mut out = [[0.0; LANES]; 3];
-    for (lane, &particle) in particles.iter().enumerate() {
-        let quad: Quad = table.values()[usize::from(particle)];
-        for (axis, out) in out.iter_mut().enumerate() {
-            out[lane] = quad[axis];
-        }
-    }
-    [V::load(&out[0]), V::load(&out[1]), V::load(&out[2])]
 }
