@@ -1,8 +1,8 @@
 //! Shapes whose distance and volume are known: the error of distance and volume falls at the element's order.
 
-use volmap_baker::plan::Settings;
-use volmap_baker::volume_map::extension::extension;
-use volmap_baker::volume_map::quadrature::{Point, Rule};
+use volmap_bake::plan::Settings;
+use volmap_bake::volume_map::extension::extension;
+use volmap_bake::volume_map::quadrature::{Point, Rule};
 use volmap_runtime::DVec3;
 use volmap_tests::{Random, SPHERE, Solid, TORUS, map_of};
 

@@ -2,21 +2,21 @@
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
-use volmap_baker::bake::{BakeSettings, bake};
-use volmap_baker::export::discregrid::discregrid;
-use volmap_baker::export::hexahedra::hexahedra;
-use volmap_baker::export::image::image;
-use volmap_baker::export::lattice::LatticeChoice;
-use volmap_baker::export::surface::{Surface, surface};
-use volmap_baker::export::{ExportSettings, Field};
-use volmap_baker::import::{Import, ImportSettings, from_grid, import};
-use volmap_baker::input::{InputSettings, load};
-use volmap_baker::plan::{GridChoice, Precision, Settings};
-use volmap_baker::volume_map::quadrature::Rule;
+use volmap_bake::bake::{BakeSettings, bake};
+use volmap_bake::input::{InputSettings, load};
+use volmap_bake::iso_surface::lattice::LatticeChoice;
+use volmap_bake::iso_surface::{Surface, iso_surface};
+use volmap_bake::plan::{GridChoice, Precision, Settings};
+use volmap_bake::volume_map::quadrature::Rule;
 use volmap_formats::asset::{Array, Asset, Exterior};
 use volmap_formats::export::cdm::{DiscreteGrid, REMOVED, UNSAMPLED, from_bytes, to_bytes};
 use volmap_formats::export::vti::Numbers;
 use volmap_formats::mesh::Placement;
+use volmap_report::export::discregrid::discregrid;
+use volmap_report::export::hexahedra::hexahedra;
+use volmap_report::export::image::image;
+use volmap_report::export::{ExportSettings, Field};
+use volmap_report::import::{Import, ImportSettings, from_grid, import};
 use volmap_runtime::{DVec3, Sample, VolumeMap};
 use volmap_tests::{Random, SPHERE, Solid, TORUS, asset_of, compute};
 
@@ -340,11 +340,15 @@ fn images_hold_the_values_everywhere() {
     assert!(regions.iter().all(|n| *n > 100), "{regions:?}");
     let one = ExportSettings { field: Some(Field::Volume), ..Default::default() };
     let names =
-        volmap_baker::export::image::image(&asset, &one).unwrap().arrays.into_iter().map(|(name, _)| name);
+        volmap_report::export::image::image(&asset, &one).unwrap().arrays.into_iter().map(|(name, _)| name);
     assert_eq!(names.collect::<Vec<_>>(), ["volume", "region"]);
 }
 
 /// Edges that don't run once each way, and the volume.
+fn surface(asset: &Asset, iso: f64, lattice: Option<LatticeChoice>) -> Result<Surface, volmap_bake::Error> {
+    iso_surface(&VolumeMap::from_asset(asset)?, iso, lattice)
+}
+
 fn open_edges_and_volume(surface: &Surface) -> (usize, f64) {
     let mut edges: HashMap<(u32, u32), i32> = HashMap::new();
     let mut volume = 0.0;
@@ -369,7 +373,7 @@ fn surfaces_close_and_lie_on_the_map() {
         (TORUS, 0.0, ring),
     ] {
         let asset = computed(&solid, 20, R);
-        let found = surface(&asset, &ExportSettings { iso: Some(iso), ..Default::default() }).unwrap();
+        let found = surface(&asset, iso, None).unwrap();
         let (open, volume) = open_edges_and_volume(&found);
         assert_eq!((open, found.is_cut), (0, false), "{} {iso}", solid.name);
         assert!((volume / exact - 1.0).abs() < 4e-3, "{} {iso}: {volume} {exact}", solid.name);
@@ -390,7 +394,7 @@ fn surfaces_in_the_lattice_close_too() {
         for invert in [false, true] {
             let map = Settings { grid: GridChoice::CellSize(cell_size), invert, ..settings() };
             let asset = baked("UnitBox.obj", map);
-            let found = surface(&asset, &ExportSettings { lattice, ..Default::default() }).unwrap();
+            let found = surface(&asset, 0.0, lattice).unwrap();
             let (open, volume) = open_edges_and_volume(&found);
             assert_eq!((open, found.is_cut), (0, false), "{cell_size} {lattice:?}");
             let sign = if invert { -1.0 } else { 1.0 };
@@ -399,5 +403,5 @@ fn surfaces_in_the_lattice_close_too() {
     }
     let cut = Some([[-0.2, -0.5, -0.9], [0.9, 0.3, 0.9]]);
     let asset = baked("torus.obj", Settings { domain: cut, ..settings() });
-    assert!(surface(&asset, &ExportSettings::default()).unwrap().is_cut);
+    assert!(surface(&asset, 0.0, None).unwrap().is_cut);
 }

@@ -2,13 +2,14 @@
 
 use std::path::Path;
 use std::process::Command;
-use volmap_baker::page::{
+use volmap_bake::plan;
+use volmap_figures::page::{
     Block, Cell, Column, Image, Link, Outcome, Page, Parameter, Section, Table, Verdict,
 };
-use volmap_baker::picture::colours::DISTINCT;
-use volmap_baker::picture::{Chart, Data, Quantity, Series};
-use volmap_baker::slice::{Settings, slice};
-use volmap_baker::{picture, plan};
+use volmap_figures::picture;
+use volmap_figures::picture::colours::DISTINCT;
+use volmap_figures::picture::{Chart, Data, Quantity, Series};
+use volmap_report::slice::{Settings, slice};
 use volmap_tests::{SPHERE, map_of, python};
 
 const NASTY: &str = "<img src=x onerror=alert(1)>&amp;\"'.obj";
@@ -18,7 +19,7 @@ fn image() -> Image {
     let map = map_of(&SPHERE, 12, &plan::Settings { support_radius: Some(0.1), ..plan::Settings::default() });
     let settings = Settings {
         plane: "z=0.1".parse().unwrap(),
-        field: volmap_baker::slice::Field::Volume,
+        field: volmap_report::slice::Field::Volume,
         pixels: 200,
         contours: vec![0.001, 0.002],
     };

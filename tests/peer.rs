@@ -2,11 +2,11 @@
 //! (`peer/README.md`).
 
 use std::path::PathBuf;
-use volmap_baker::bake::{Bake, BakeSettings, bake};
-use volmap_baker::density_map::DensitySettings;
-use volmap_baker::input::{InputSettings, load};
-use volmap_baker::plan::{GridChoice, Precision, Settings};
-use volmap_baker::volume_map::quadrature::Rule;
+use volmap_bake::bake::{Bake, BakeSettings, bake};
+use volmap_bake::density_map::DensitySettings;
+use volmap_bake::input::{InputSettings, load};
+use volmap_bake::plan::{GridChoice, Precision, Settings};
+use volmap_bake::volume_map::quadrature::Rule;
 use volmap_formats::asset::Array;
 use volmap_formats::mesh::Placement;
 use volmap_runtime::{Family, Nodes};

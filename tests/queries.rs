@@ -2,8 +2,8 @@
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
-use volmap_baker::plan::Settings;
-use volmap_baker::volume_map::quadrature::Rule;
+use volmap_bake::plan::Settings;
+use volmap_bake::volume_map::quadrature::Rule;
 use volmap_formats::asset::{Array, Asset, CellRun, Exterior, Rounded};
 use volmap_runtime::serendipity::node;
 use volmap_runtime::{Cell, CellIndex, DQuat, DVec3, Family, Nodes, Pose, PosedMap, Sample, VolumeMap};

@@ -1,20 +1,20 @@
 //! The report of `volmap report` against errors that are known.
 
 use std::path::Path;
-use volmap_baker::bake::{BakeSettings, bake};
-use volmap_baker::input::{Input, Source};
-use volmap_baker::plan::{GridChoice, Precision, Settings as MapSettings};
-use volmap_baker::report::findings::Findings;
-use volmap_baker::report::model::{Model, Solid};
-use volmap_baker::report::reference::Reference;
-use volmap_baker::report::samples::band_points;
-use volmap_baker::report::shape::Shape;
-use volmap_baker::report::thin::{spread, widths};
-use volmap_baker::report::volume_error::{Measuring, Part, measure};
-use volmap_baker::report::{Report, Settings, report};
-use volmap_baker::work::Work;
+use volmap_bake::bake::{BakeSettings, bake};
+use volmap_bake::input::{Input, Source};
+use volmap_bake::plan::{GridChoice, Precision, Settings as MapSettings};
+use volmap_bake::work::Work;
 use volmap_formats::asset::{Array, Asset};
 use volmap_formats::mesh::{CleanReport, Placement, TriangleMesh};
+use volmap_report::report::findings::Findings;
+use volmap_report::report::model::{Model, Solid};
+use volmap_report::report::reference::Reference;
+use volmap_report::report::samples::band_points;
+use volmap_report::report::shape::Shape;
+use volmap_report::report::thin::{spread, widths};
+use volmap_report::report::volume_error::{Measuring, Part, measure};
+use volmap_report::report::{Report, Settings, report};
 use volmap_runtime::DVec3;
 use volmap_tests::{SPHERE, asset_of, compute};
 

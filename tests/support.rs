@@ -1,9 +1,9 @@
 //! What the tests share.
 
 use std::path::{Path, PathBuf};
-use volmap_baker::density_map::compute_density;
-use volmap_baker::maps::{Maps, compute_maps};
-use volmap_baker::plan::{Extent, GridChoice, Plan, Settings, plan};
+use volmap_bake::density_map::compute_density;
+use volmap_bake::maps::{Maps, compute_maps};
+use volmap_bake::plan::{Extent, GridChoice, Plan, Settings, plan};
 use volmap_formats::asset::{Array, Asset, Attributes, Dimension, QuadratureSpec};
 use volmap_runtime::{DVec3, VolumeMap};
 

@@ -1,11 +1,11 @@
 //! The cells that a tolerance finds, against the error measured at other points.
 
-use volmap_baker::bake::{Bake, BakeSettings, bake};
-use volmap_baker::input::{InputSettings, load};
-use volmap_baker::plan::{GridChoice, Settings};
-use volmap_baker::sdf::{MeshDistance, SignMethod};
-use volmap_baker::volume_map::extension::extension;
-use volmap_baker::volume_map::quadrature::Rule;
+use volmap_bake::bake::{Bake, BakeSettings, bake};
+use volmap_bake::input::{InputSettings, load};
+use volmap_bake::plan::{GridChoice, Settings};
+use volmap_bake::sdf::{MeshDistance, SignMethod};
+use volmap_bake::volume_map::extension::extension;
+use volmap_bake::volume_map::quadrature::Rule;
 use volmap_formats::mesh::Placement;
 use volmap_runtime::{DVec3, VolumeMap};
 use volmap_tests::Random;

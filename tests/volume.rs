@@ -1,11 +1,11 @@
 //! The fast integral against the plain one, and the band against its definition.
 
-use volmap_baker::maps::compute_maps;
-use volmap_baker::plan::{GridChoice, Settings, plan};
-use volmap_baker::rows::positions;
-use volmap_baker::sdf::field::DistanceField;
-use volmap_baker::volume_map::oracle;
-use volmap_baker::volume_map::quadrature::Rule;
+use volmap_bake::maps::compute_maps;
+use volmap_bake::plan::{GridChoice, Settings, plan};
+use volmap_bake::rows::positions;
+use volmap_bake::sdf::field::DistanceField;
+use volmap_bake::volume_map::oracle;
+use volmap_bake::volume_map::quadrature::Rule;
 use volmap_formats::asset::Exterior;
 use volmap_runtime::{Cell, DVec3, VolumeMap};
 use volmap_tests::{Random, SPHERE, Solid, TORUS, asset_of, compute};
@@ -13,7 +13,7 @@ use volmap_tests::{Random, SPHERE, Solid, TORUS, asset_of, compute};
 /// A box of 0.8 x 0.5 x 0.3 with a notch: flat faces, edges, a concave edge. Exact outside, a bound inside.
 const NOTCHED: Solid = Solid {
     name: "notched box",
-    extent: volmap_baker::plan::Extent {
+    extent: volmap_bake::plan::Extent {
         min: DVec3::new(-0.4, -0.25, -0.15),
         max: DVec3::new(0.4, 0.25, 0.15),
         area: 1.58,

@@ -9,8 +9,8 @@ pub mod slice;
 
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
-use volmap_baker::parameters::{ByteSize, Parameters};
-use volmap_baker::recipe::Recipe;
+use volmap_bake::parameters::{ByteSize, Parameters};
+use volmap_bake::recipe::Recipe;
 
 /// Bakes triangle meshes into volume maps for SPH boundaries, and looks into them.
 #[derive(Debug, Parser)]

@@ -3,7 +3,7 @@
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{IsTerminal, Write};
 use std::time::Duration;
-use volmap_baker::batch::engine::Event;
+use volmap_batch::engine::Event;
 
 /// Shows how far a batch is.
 pub struct BatchProgress {

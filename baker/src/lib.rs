@@ -1,42 +1,7 @@
-//! Bakes triangle meshes into volume maps: Bender et al. 2020, *Implicit Frictional Boundary Handling for SPH*.
-//!
-//! ```text
-//! TriangleMesh -> mesh (diagnosis, orientation) -> sdf (distance, sign, band, field) -> volume_map -> Asset
-//! ```
-//! In two dimensions: Outline -> [`area_map`] -> Asset.
-//!
-//! [`bake::bake`] is the whole way; [`maps::compute_maps`] the part that any signed distance can take.
-
-pub mod area_map;
-pub mod bake;
-pub mod batch;
-pub mod content_key;
-pub mod density_map;
-pub mod describe;
-pub mod document;
-pub mod error;
-pub mod export;
-pub mod import;
-pub mod info;
-pub mod input;
-pub mod maps;
-pub mod mesh;
-pub mod page;
-pub mod parameters;
-pub mod picture;
-pub mod plan;
-pub mod points;
-pub mod provenance;
-pub mod random;
-pub mod recipe;
-pub mod report;
-pub mod reproduce;
-pub mod rows;
-pub mod sdf;
-pub mod slice;
-pub mod summary;
-pub mod tolerance;
-pub mod volume_map;
-pub mod work;
-
-pub use error::Error;
+//! The libraries under one name, for those who still call them so.
+pub use volmap_bake::Error;
+pub use volmap_bake::*;
+pub use volmap_batch as batch;
+pub use volmap_documents as document;
+pub use volmap_figures::*;
+pub use volmap_report::{export, import, info, points, report, reproduce, slice};

@@ -12,7 +12,7 @@ use run::{bake, batch, exchange, manual, outline, query, report, reproduce, slic
 use std::io;
 use std::path::Path;
 use std::process::ExitCode;
-use volmap_baker::batch::process::WORKER;
+use volmap_batch::process::WORKER;
 
 fn main() -> ExitCode {
     match start() {

@@ -5,12 +5,12 @@ use std::io::IsTerminal;
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
 use std::thread::JoinHandle;
 use std::time::Duration;
-use volmap_baker::bake::Step;
-use volmap_baker::plan::Plan;
-use volmap_baker::report;
-use volmap_baker::reproduce;
-use volmap_baker::summary::{bytes, thousands};
-use volmap_baker::work::Work;
+use volmap_bake::bake::Step;
+use volmap_bake::plan::Plan;
+use volmap_bake::summary::{bytes, thousands};
+use volmap_bake::work::Work;
+use volmap_report::report;
+use volmap_report::reproduce;
 
 /// How often the bar is drawn; a bake that is faster shows none.
 const TICK: Duration = Duration::from_millis(100);

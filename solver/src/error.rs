@@ -24,6 +24,9 @@ pub enum Error {
     /// A mesh can't be read or baked.
     #[error(transparent)]
     Bake(#[from] volmap_baker::Error),
+    /// A scene, a mesh of a body or particles can't be written.
+    #[error(transparent)]
+    Export(#[from] volmap_formats::export::ExportError),
     /// A volume map can't be opened.
     #[error(transparent)]
     Map(#[from] volmap_runtime::Error),

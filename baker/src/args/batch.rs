@@ -3,9 +3,9 @@
 use super::threads;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
-use volmap_baker::batch::shard;
-use volmap_baker::batch::summary::Shard;
-use volmap_baker::parameters::{ByteSize, Parameters};
+use volmap_bake::parameters::{ByteSize, Parameters};
+use volmap_batch::shard;
+use volmap_batch::summary::Shard;
 
 /// Arguments of `volmap batch`.
 #[derive(Debug, Args)]

@@ -2,11 +2,11 @@
 
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
-use volmap_baker::export::lattice::LatticeChoice;
-use volmap_baker::export::{ExportSettings, Field};
-use volmap_baker::import::ImportSettings;
-use volmap_baker::parameters::Resolution;
+use volmap_bake::iso_surface::lattice::LatticeChoice;
+use volmap_bake::parameters::Resolution;
 use volmap_formats::asset::Exterior;
+use volmap_report::export::{ExportSettings, Field};
+use volmap_report::import::ImportSettings;
 
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]

@@ -4,14 +4,14 @@ use super::threads;
 use clap::{ArgGroup, Args};
 use std::path::PathBuf;
 use std::str::FromStr;
-use volmap_baker::area_map::disc::DiscRule;
-use volmap_baker::area_map::outline::OutlinePlacement;
-use volmap_baker::area_map::{AreaDensity, AreaSettings};
-use volmap_baker::density_map::smoothing::Smoothing;
-use volmap_baker::parameters::number::list;
-use volmap_baker::parameters::{CompressionName, Numbers, PrecisionName, RoundingPart, Unit};
-use volmap_baker::plan::GridChoice;
-use volmap_baker::recipe::precision;
+use volmap_bake::area_map::disc::DiscRule;
+use volmap_bake::area_map::outline::OutlinePlacement;
+use volmap_bake::area_map::{AreaDensity, AreaSettings};
+use volmap_bake::density_map::smoothing::Smoothing;
+use volmap_bake::parameters::number::list;
+use volmap_bake::parameters::{CompressionName, Numbers, PrecisionName, RoundingPart, Unit};
+use volmap_bake::plan::GridChoice;
+use volmap_bake::recipe::precision;
 use volmap_formats::asset::Compression;
 
 #[derive(Debug, Args)]

@@ -4,9 +4,9 @@ use super::threads;
 use clap::Args;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
-use volmap_baker::parameters::Part;
-use volmap_baker::report::Settings;
-use volmap_baker::report::shape::Shape;
+use volmap_bake::parameters::Part;
+use volmap_report::report::Settings;
+use volmap_report::report::shape::Shape;
 
 #[derive(Debug, Args)]
 pub struct ReportArguments {

@@ -4,7 +4,7 @@ use super::threads;
 use clap::Args;
 use std::path::PathBuf;
 use std::str::FromStr;
-use volmap_baker::reproduce::Experiment;
+use volmap_report::reproduce::Experiment;
 
 #[derive(Debug, Args)]
 pub struct ReproduceArguments {

@@ -3,8 +3,8 @@
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use std::str::FromStr;
-use volmap_baker::picture::Plane;
-use volmap_baker::slice::{Field, Settings};
+use volmap_figures::picture::Plane;
+use volmap_report::slice::{Field, Settings};
 
 #[derive(Debug, Args)]
 pub struct SliceArguments {

@@ -7,10 +7,11 @@ use anyhow::{Result, bail};
 use std::io::{self, Write};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
-use volmap_baker::bake::bake;
-use volmap_baker::summary::bytes;
-use volmap_baker::{info, input};
+use volmap_bake::bake::bake;
+use volmap_bake::input;
+use volmap_bake::summary::bytes;
 use volmap_formats::asset;
+use volmap_report::info;
 
 /// Bakes a mesh and says what came of it.
 pub fn run_bake(arguments: &BakeArguments) -> Result<()> {

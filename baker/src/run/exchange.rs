@@ -4,9 +4,9 @@ use crate::args::exchange::{ExportArguments, ImportArguments};
 use crate::is_same_file;
 use anyhow::{Result, bail};
 use std::io::{self, Write};
-use volmap_baker::summary::{bytes, thousands};
-use volmap_baker::{export, import};
+use volmap_bake::summary::{bytes, thousands};
 use volmap_formats::asset::{self, Compression};
+use volmap_report::{export, import};
 
 /// Writes a map for other programs.
 pub fn run_export(arguments: &ExportArguments) -> Result<()> {

@@ -6,10 +6,10 @@ use crate::is_same_file;
 use anyhow::{Result, bail};
 use std::io::{self, Write};
 use std::sync::PoisonError;
-use volmap_baker::area_map::outline::bake_file;
-use volmap_baker::info;
-use volmap_baker::summary::{bytes, thousands};
+use volmap_bake::area_map::outline::bake_file;
+use volmap_bake::summary::{bytes, thousands};
 use volmap_formats::asset::{self, Asset, Value};
+use volmap_report::info;
 
 /// Bakes an outline and says what came of it.
 pub fn run_bake_outline(arguments: &OutlineArguments) -> Result<()> {

@@ -3,8 +3,8 @@
 use anyhow::{Context, Result};
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
-use volmap_baker::{info, points};
 use volmap_formats::asset;
+use volmap_report::{info, points};
 use volmap_runtime::VolumeMap;
 
 /// Shows what stands in an asset.

@@ -7,13 +7,13 @@ use anyhow::{Result, bail};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use volmap_baker::area_map::require_space;
-use volmap_baker::input::{self, Input};
-use volmap_baker::provenance;
-use volmap_baker::report::findings::Findings;
-use volmap_baker::report::page::page;
-use volmap_baker::report::{Report, report};
+use volmap_bake::area_map::require_space;
+use volmap_bake::input::{self, Input};
+use volmap_bake::provenance;
 use volmap_formats::asset::{self, Asset};
+use volmap_report::report::findings::Findings;
+use volmap_report::report::page::page;
+use volmap_report::report::{Report, report};
 
 /// Measures an asset and writes the report; the exit code says whether it passed.
 pub fn run_report(arguments: &ReportArguments) -> Result<ExitCode> {

@@ -5,8 +5,8 @@ use crate::progress::Progress;
 use anyhow::{Result, bail};
 use serde_json::json;
 use std::io::{self, Write};
-use volmap_baker::input::{self, InputSettings};
-use volmap_baker::reproduce::{Experiment, Settings, reproduce, table};
+use volmap_bake::input::{self, InputSettings};
+use volmap_report::reproduce::{Experiment, Settings, reproduce, table};
 
 /// Runs experiments and prints their figures beside the paper's.
 pub fn run_reproduce(arguments: &ReproduceArguments) -> Result<()> {

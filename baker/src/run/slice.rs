@@ -4,9 +4,10 @@ use crate::args::slice::SliceArguments;
 use crate::is_same_file;
 use anyhow::{Result, bail};
 use std::path::PathBuf;
-use volmap_baker::area_map::require_space;
-use volmap_baker::{input, provenance, slice};
+use volmap_bake::area_map::require_space;
+use volmap_bake::{input, provenance};
 use volmap_formats::asset;
+use volmap_report::slice;
 use volmap_runtime::VolumeMap;
 
 /// Draws a map on a plane.

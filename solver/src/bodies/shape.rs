@@ -9,7 +9,7 @@ use rapier3d_f64::parry::transformation::vhacd::{VHACD, VHACDParameters};
 use rapier3d_f64::prelude::{SharedShape, TriMesh, TriMeshFlags};
 use std::collections::HashMap;
 use std::sync::Arc;
-use volmap_baker::export::{ExportSettings, lattice::LatticeChoice, surface::surface_of_map};
+use volmap_baker::iso_surface::{iso_surface, lattice::LatticeChoice};
 use volmap_formats::asset::Exterior;
 use volmap_formats::mesh::{TriangleMesh, guard};
 use volmap_runtime::{DVec3, Dimension, VolumeMap};
@@ -69,8 +69,7 @@ fn mesh_of_map(map: &VolumeMap) -> Result<TriangleMesh, String> {
         return Err("its map is in two dimensions; give it a mesh to touch other bodies with".into());
     }
     let resolution = LatticeChoice::Resolution(map.grid().resolution.to_array());
-    let settings = ExportSettings { lattice: Some(resolution), ..ExportSettings::default() };
-    let surface = surface_of_map(map, &settings).map_err(|error| error.to_string())?;
+    let surface = iso_surface(map, 0.0, Some(resolution)).map_err(|error| error.to_string())?;
     match surface.triangles.is_empty() {
         true => Err("its map has no surface".into()),
         false => Ok(TriangleMesh { vertices: surface.vertices, triangles: surface.triangles }),

@@ -2,8 +2,7 @@
 
 use crate::error::Error;
 use std::path::Path;
-use volmap_baker::export::ExportSettings;
-use volmap_baker::export::surface;
+use volmap_baker::iso_surface::iso_surface;
 use volmap_formats::export::ply;
 use volmap_formats::mesh::TriangleMesh;
 use volmap_runtime::VolumeMap;
@@ -13,7 +12,7 @@ use volmap_runtime::VolumeMap;
 /// # Errors
 /// A surface too large for memory.
 pub fn surface_of_map(map: &VolumeMap) -> Result<TriangleMesh, Error> {
-    let surface = surface::surface_of_map(map, &ExportSettings::default())?;
+    let surface = iso_surface(map, 0.0, None)?;
     Ok(TriangleMesh { vertices: surface.vertices, triangles: surface.triangles })
 }
 
@@ -25,7 +24,6 @@ pub fn write_mesh(folder: &Path, number: usize, name: &str, mesh: &TriangleMesh)
     let plain = |c: char| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' };
     let file = format!("{number:02}_{}.ply", name.chars().take(60).map(plain).collect::<String>());
     let comment = "volmap, a body in its own frame";
-    ply::write(&folder.join(&file), &mesh.vertices, &mesh.triangles, comment)
-        .map_err(volmap_baker::Error::from)?;
+    ply::write(&folder.join(&file), &mesh.vertices, &mesh.triangles, comment)?;
     Ok(file)
 }

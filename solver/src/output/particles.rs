@@ -49,7 +49,7 @@ pub fn write(path: &Path, format: ParticleFormat, frame: &Frame) -> Result<(), E
         ParticleFormat::Ply => write_ply(path, &points),
         ParticleFormat::Bgeo => write_bgeo(path, &points),
     };
-    written.map_err(|error| volmap_baker::Error::from(error).into())
+    Ok(written?)
 }
 
 /// Writes ParaView's collection (`.pvd`): times in seconds, and files by their paths from the collection.

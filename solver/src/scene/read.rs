@@ -3,7 +3,7 @@
 use super::{Scene, VERSION};
 use crate::error::Error;
 use std::path::{Path, PathBuf};
-use volmap_baker::document::{Kind, Syntax};
+use volmap_baker::document::{self, Kind, Syntax};
 
 const SCENES: Kind = Kind {
     singular: "scene",
@@ -31,11 +31,10 @@ pub fn parse(text: &str, syntax: Syntax, name: &str) -> Result<Scene, Error> {
     SCENES.parse(text, syntax, name, Scene::check).map_err(of_scene)
 }
 
-fn of_scene(error: volmap_baker::Error) -> Error {
+fn of_scene(error: document::Error) -> Error {
     match error {
-        volmap_baker::Error::Document { place, reason } => Error::Scene { place, reason },
-        volmap_baker::Error::Io { path, source } => Error::Io { path, source },
-        other => Error::Bake(other),
+        document::Error::Content { place, reason } => Error::Scene { place, reason },
+        document::Error::Io { path, source } => Error::Io { path, source },
     }
 }
 

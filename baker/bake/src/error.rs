@@ -1,0 +1,70 @@
+//! What can go wrong in a bake.
+
+use std::path::PathBuf;
+use volmap_formats::asset::AssetError;
+use volmap_formats::mesh::MeshError;
+
+/// Why a bake ended without an asset.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// The mesh file can't be used.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// The mesh in this file can't be used.
+    #[error("{}: {source}", path.display())]
+    MeshFile {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        source: MeshError,
+    },
+    /// The system refused.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// The asset can't be written or read.
+    #[error(transparent)]
+    Asset(#[from] AssetError),
+    /// The asset can't be opened.
+    #[error(transparent)]
+    Map(#[from] volmap_runtime::Error),
+    /// A file or a folder can't be used as it is.
+    #[error("{}: {reason}", path.display())]
+    Unusable {
+        /// Which.
+        path: PathBuf,
+        /// What is wrong with it and the cure.
+        reason: String,
+    },
+    /// A setting can't be used.
+    #[error("{option}: {reason}")]
+    Setting {
+        /// The command line's name of the setting.
+        option: &'static str,
+        /// What is wrong with it and the cure.
+        reason: String,
+    },
+    /// The bake would need more memory than allowed.
+    #[error(
+        "the bake would need about {} MiB, more than --max-memory {} MiB; take larger cells \
+         (--cell-size, --resolution, --support-radius) or allow more",
+        needed >> 20, allowed >> 20
+    )]
+    Memory {
+        /// Estimate, bytes.
+        needed: u64,
+        /// Limit, bytes.
+        allowed: u64,
+    },
+}
+
+impl Error {
+    /// A setting that can't be used.
+    pub fn setting(option: &'static str, reason: impl Into<String>) -> Error {
+        Error::Setting { option, reason: reason.into() }
+    }
+}

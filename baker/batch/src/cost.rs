@@ -1,0 +1,51 @@
+//! What an asset will cost, before it is made: for the order of a batch, its memory, its shards, and `--check`.
+
+use super::job::{Cost, Subject};
+use crate::error::Error;
+use volmap_bake::input::{self, bounds};
+use volmap_bake::mesh::prepare;
+use volmap_bake::plan::{Extent, GridChoice, plan};
+
+/// Measured on one core of an AMD EPYC, over the 206 meshes of `BENCHMARKS.md`: right to a third for half of the closed ones,
+/// to a factor of 3 for most open ones, whose winding numbers take what they take.
+const MAP: f64 = 0.22;
+const SECONDS_PER_ASSET: f64 = 0.05;
+const SECONDS_PER_TRIANGLE: f64 = 1e-5;
+const SECONDS_PER_ERROR_POINT: f64 = 0.7e-3;
+const SECONDS_PER_NODE_OF_OPEN: f64 = 5e-6;
+const BYTES_PER_TRIANGLE: u64 = 400;
+/// Of the worker itself.
+const LEAST_MEMORY: u64 = 16 << 20;
+/// A search for a tolerance bakes several grids, the finest of which is not known before.
+const SEARCH: f64 = 6.0;
+/// Of the fields' bytes, after compression.
+const COMPRESSED: f64 = 0.75;
+const NODES_PER_CELL: f64 = 7.5;
+
+/// Estimates the cost of an asset.
+///
+/// # Errors
+/// A mesh that can't be read, or settings that can't be used with it.
+pub fn cost(subject: &Subject, max_memory: u64) -> Result<Cost, Error> {
+    let recipe = subject.parameters.recipe();
+    let mut mesh = input::load(&subject.mesh, &recipe.input)?.mesh;
+    let diagnosis = prepare(&mut mesh, recipe.bake.keep_orientation).diagnosis;
+    let [min, max] = bounds(&mesh);
+    let mut settings = recipe.bake.map.clone();
+    settings.max_memory = max_memory;
+    let planned = plan(&Extent { min, max, area: diagnosis.area }, &settings)?;
+    let triangles = mesh.triangles.len();
+    let fields = 2.0 + f64::from(u8::from(settings.density.is_some()));
+    let nodes = NODES_PER_CELL * planned.estimate.cells as f64;
+    let is_search = matches!(settings.grid, GridChoice::Tolerance(_));
+    let open = if diagnosis.closed { 0.0 } else { nodes * SECONDS_PER_NODE_OF_OPEN };
+    let map_seconds = (MAP * planned.estimate.seconds + open) * if is_search { SEARCH } else { 1.0 };
+    Ok(Cost {
+        seconds: SECONDS_PER_ASSET
+            + map_seconds
+            + triangles as f64 * SECONDS_PER_TRIANGLE
+            + f64::from(subject.error_points) * SECONDS_PER_ERROR_POINT,
+        memory: planned.estimate.memory + triangles as u64 * BYTES_PER_TRIANGLE + LEAST_MEMORY,
+        file: (nodes * fields * settings.precision.bytes() as f64 * COMPRESSED) as u64,
+    })
+}

@@ -1,0 +1,39 @@
+//! What an asset is like, as it says itself.
+
+use super::summary::Figures;
+use volmap_bake::describe::{VOLUME_ERROR_MAX, VOLUME_ERROR_POINTS, VOLUME_ERROR_RMS};
+use volmap_formats::asset::{Asset, Attributes, Value};
+
+/// The figures of an asset.
+pub fn figures(asset: &Asset) -> Figures {
+    let warnings = match asset.diagnosis.get("warnings") {
+        Some(Value::Text(lines)) => lines.lines().map(str::to_owned).collect(),
+        _ => Vec::new(),
+    };
+    Figures {
+        triangles: integer(&asset.source, "triangles").unwrap_or(0),
+        closed: integer(&asset.diagnosis, "closed") == Some(1),
+        support_radius: asset.support_radius,
+        cell_size: asset.grid.cell_size.into_iter().fold(0.0, f64::max),
+        band_cells: asset.band_cells.iter().map(|run| u64::from(run.len)).sum(),
+        nodes: asset.volume.len() as u64,
+        volume_error_max: real(&asset.bake, VOLUME_ERROR_MAX),
+        volume_error_rms: real(&asset.bake, VOLUME_ERROR_RMS),
+        volume_error_points: integer(&asset.bake, VOLUME_ERROR_POINTS).unwrap_or(0),
+        warnings,
+    }
+}
+
+fn integer(attributes: &Attributes, name: &str) -> Option<u64> {
+    match attributes.get(name) {
+        Some(Value::Integer(list)) => list.first().copied(),
+        _ => None,
+    }
+}
+
+fn real(attributes: &Attributes, name: &str) -> Option<f64> {
+    match attributes.get(name) {
+        Some(Value::Real(list)) => list.first().copied(),
+        _ => None,
+    }
+}

@@ -1,0 +1,139 @@
+//! What a batch and its workers say to each other, a line of JSON each: jobs one way, replies the other.
+
+use super::manifest::Gates;
+use super::summary::Figures;
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+use volmap_bake::content_key::Identity;
+use volmap_bake::parameters::Parameters;
+
+/// Something for a worker to do.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Job {
+    /// What.
+    pub task: Task,
+    /// With so many threads.
+    pub threads: usize,
+}
+
+/// What a worker can do.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub enum Task {
+    /// Find what an asset will cost.
+    Estimate(Box<Subject>),
+    /// Make an asset and all that belongs to it.
+    Make(Box<Order>),
+}
+
+/// A mesh and how it becomes an asset.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Subject {
+    /// The mesh file.
+    pub mesh: PathBuf,
+    /// Effective parameters.
+    pub parameters: Parameters,
+    /// Points at which the volume's error is measured.
+    pub error_points: u32,
+}
+
+/// An asset to be made.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Order {
+    /// Of what.
+    pub subject: Subject,
+    /// What its bytes follow from.
+    pub identity: Identity,
+    /// What it must be to be taken.
+    pub gates: Gates,
+    /// Bytes that the bake's estimate may reach.
+    pub max_memory: u64,
+    /// Files that may hold the same asset.
+    pub candidates: Vec<PathBuf>,
+    /// Where things go.
+    pub files: Files,
+}
+
+/// Where an asset and what belongs to it go; folders are made when they are needed.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Files {
+    /// If it is good.
+    pub good: Lot,
+    /// If a gate refuses it.
+    pub rejected: Lot,
+    /// The asset's place in the cache, if there is one.
+    pub cached: Option<PathBuf>,
+}
+
+/// An asset and what belongs to it.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Lot {
+    /// The asset.
+    pub asset: PathBuf,
+    /// Its picture.
+    pub preview: PathBuf,
+    /// The page of its report, if there shall be one; its JSON lies beside.
+    pub report: Option<PathBuf>,
+}
+
+impl Lot {
+    /// Removes what of it is there, if it can.
+    pub fn forget(&self) {
+        self.all().iter().for_each(|file| _ = std::fs::remove_file(file));
+    }
+
+    /// All files.
+    pub fn all(&self) -> Vec<PathBuf> {
+        let report = self.report.iter().flat_map(|page| [page.clone(), page.with_extension("json")]);
+        [self.asset.clone(), self.preview.clone()].into_iter().chain(report).collect()
+    }
+}
+
+/// What a worker says.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub enum Reply {
+    /// A step of the job begins.
+    Step(String),
+    /// The cost.
+    Estimated(Cost),
+    /// The asset lies where it should.
+    Made(Box<Made>),
+    /// The job failed.
+    Failed {
+        /// Why.
+        error: String,
+        /// Because there is no room for files.
+        disk_full: bool,
+    },
+}
+
+/// What an asset costs, about.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Cost {
+    /// Seconds on one thread.
+    pub seconds: f64,
+    /// Memory at its peak, bytes.
+    pub memory: u64,
+    /// Size of the file, bytes.
+    pub file: u64,
+}
+
+/// What came of an order.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Made {
+    /// Not baked, but taken from this candidate.
+    pub from: Option<PathBuf>,
+    /// Gates that refused it.
+    pub failed_gates: Vec<String>,
+    /// What it is like.
+    pub figures: Figures,
+    /// Size of its file.
+    pub bytes: u64,
+    /// BLAKE3 of its file.
+    pub file_blake3: String,
+    /// Wall time, seconds.
+    pub seconds: f64,
+    /// Most memory of the worker during the job, bytes, where the system tells.
+    pub peak_memory: Option<u64>,
+    /// What went wrong without harm to the asset.
+    pub notes: Vec<String>,
+}

@@ -1,0 +1,150 @@
+//! A batch in lines of a log: for people, and as JSON lines for programs.
+
+use super::summary::{AssetReport, Counts, Outcome, Summary};
+use serde::Serialize;
+use serde_json::json;
+use std::path::Path;
+use volmap_bake::summary::bytes;
+use volmap_figures::picture::scale::number;
+
+/// One line of what came of an asset.
+pub fn line(asset: &AssetReport) -> String {
+    let mut facts: Vec<String> = asset.bytes.map(bytes).into_iter().collect();
+    let error = asset.figures.as_ref().and_then(|figures| figures.volume_error_max);
+    facts.extend(error.map(|error| format!("error {} % of the ball", number(100.0 * error))));
+    // Of what wasn't baked, the time is that of another day.
+    let baked = !matches!(asset.outcome, Outcome::Unchanged | Outcome::NotTried);
+    facts.extend(asset.seconds.filter(|_| baked).map(|seconds| format!("{} s", number(seconds))));
+    facts.push(why(asset));
+    plain(&format!("{:<10} {}: {}", asset.outcome.name(), asset.name, facts.join(", ")))
+}
+
+/// The error, the gates or the reason: the first that there is.
+pub fn why(asset: &AssetReport) -> String {
+    match (&asset.error, &asset.failed_gates[..]) {
+        (Some(error), _) => error.clone(),
+        (None, []) => asset.reason.clone(),
+        (None, gates) => gates.join("; "),
+    }
+}
+
+#[derive(Serialize)]
+struct Event<'a> {
+    event: &'static str,
+    #[serde(flatten)]
+    asset: &'a AssetReport,
+}
+
+/// The same as a JSON object: `"event": "asset"` and the fields of the summary's asset.
+pub fn json_line(asset: &AssetReport) -> String {
+    let event = Event { event: "asset", asset };
+    serde_json::to_string(&event).expect("names are texts, and numbers that are none are null")
+}
+
+/// The end of a log as a JSON object: `"event": "summary"`, counts and time.
+pub fn json_closing(summary: &Summary) -> String {
+    let Summary { counts, interrupted, seconds, notes, .. } = summary;
+    json!({ "event": "summary", "counts": counts, "interrupted": interrupted, "seconds": seconds, "notes": notes })
+        .to_string()
+}
+
+/// Bad assets that the end of a log repeats.
+const REPEATED: usize = 10;
+
+/// The end of a log: the bad assets once more, how many came out how, the time, and where things lie.
+pub fn closing(summary: &Summary, folder: &Path) -> String {
+    let bad = |asset: &&AssetReport| matches!(asset.outcome, Outcome::Failed | Outcome::Rejected);
+    let bad: Vec<&AssetReport> = summary.assets.iter().filter(bad).collect();
+    let mut lines: Vec<String> = bad.iter().take(REPEATED).map(|asset| line(asset)).collect();
+    if bad.len() > REPEATED {
+        lines.push(format!("{:<10} and {} more, see summary.html", "", bad.len() - REPEATED));
+    }
+    lines.extend(summary.notes.iter().map(|note| plain(&format!("note       {note}"))));
+    let stopped = if summary.interrupted { "; stopped before its end" } else { "" };
+    lines.push(match summary.assets.len() {
+        0 => "assets     none".into(),
+        all => format!("assets     {all}: {}{stopped}", counted(&summary.counts)),
+    });
+    let jobs = counted_as(summary.jobs, "job", "jobs");
+    let threads = counted_as(summary.threads, "thread", "threads");
+    lines.push(format!("time       {} s, {jobs} on {threads}", number(summary.seconds)));
+    lines.push(plain(&format!("written    {}", folder.display())));
+    lines.join("\n")
+}
+
+fn counted_as(n: usize, one: &str, many: &str) -> String {
+    format!("{n} {}", if n == 1 { one } else { many })
+}
+
+/// `9 built, 2 unchanged, 1 failed`.
+pub fn counted(counts: &Counts) -> String {
+    let some = counts.by_outcome().into_iter().filter(|(_, count)| *count > 0);
+    some.map(|(outcome, count)| format!("{count} {}", outcome.name())).collect::<Vec<_>>().join(", ")
+}
+
+/// Text in one line, without what a terminal would obey.
+fn plain(text: &str) -> String {
+    let seen = |c: char| match c {
+        '\n' | '\t' => ' ',
+        c if c.is_control() || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}') => '\u{fffd}',
+        c => c,
+    };
+    text.chars().map(seen).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::fixture::{NASTY, asset, batch, mixed};
+    use super::*;
+
+    #[test]
+    fn a_line_says_what_came_of_an_asset() {
+        let lines: Vec<String> = mixed().assets.iter().map(line).collect();
+        let expected = [
+            "built      props/trees/oak: 45.6 kB, error 0.42 % of the ball, 1.25 s, it is new",
+            "reused     duck: 45.6 kB, error 0.42 % of the ball, 1.25 s, it is new",
+            "unchanged  tank: 45.6 kB, error 0.42 % of the ball, it is new",
+            "rejected   props/rock: 45.6 kB, error 0.42 % of the ball, 1.25 s, the largest error is 0.42 %, more than \
+             max_error 0.1 %",
+            "failed     bad: meshes/bad.obj: line 3: a face needs three corners",
+            "not tried  late: it is new",
+        ];
+        assert_eq!(lines, expected);
+    }
+
+    #[test]
+    fn a_name_stays_in_its_line() {
+        let nasty = AssetReport { name: NASTY.into(), error: Some(NASTY.into()), ..asset(0, "") };
+        for line in [line(&nasty), json_line(&nasty)] {
+            assert!(!line.contains(['\n', '\0', '\u{1b}']), "{line:?}");
+        }
+    }
+
+    #[test]
+    fn json_lines_hold_the_whole_report() {
+        for asset in mixed().assets {
+            let mut json: serde_json::Value = serde_json::from_str(&json_line(&asset)).unwrap();
+            assert_eq!(json.as_object_mut().unwrap().remove("event").unwrap(), "asset");
+            assert_eq!(serde_json::from_value::<AssetReport>(json).unwrap(), asset);
+        }
+    }
+
+    #[test]
+    fn the_end_counts_and_repeats_what_is_bad() {
+        let text = closing(&mixed(), Path::new("baked"));
+        let lines: Vec<&str> = text.lines().collect();
+        assert!(
+            lines[0].starts_with("rejected   props/rock: ") && lines[1].starts_with("failed     bad: "),
+            "{text}"
+        );
+        let counts = "6: 1 built, 1 reused, 1 unchanged, 1 rejected, 1 failed, 1 not tried";
+        assert_eq!(lines[2], format!("assets     {counts}; stopped before its end"));
+        assert_eq!(lines[3..], ["time       12.5 s, 2 jobs on 2 threads", "written    baked"]);
+        let many = (0..25).map(|n| AssetReport { outcome: Outcome::Failed, ..asset(n, "x") }).collect();
+        let text = closing(&batch(many), Path::new("."));
+        assert!(
+            text.contains("and 15 more, see summary.html") && text.contains("assets     25: 25 failed\n")
+        );
+        assert!(closing(&batch(Vec::new()), Path::new(".")).starts_with("assets     none\n"));
+    }
+}

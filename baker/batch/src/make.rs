@@ -1,0 +1,134 @@
+//! One asset of a batch, from its mesh or from a file of the same content key to its place.
+
+use super::job::{Made, Order};
+use super::{figures::figures, gates, measure, preview};
+use crate::error::Error;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+use volmap_bake::bake::{Step, bake};
+use volmap_bake::content_key::{self, ATTRIBUTE, key_of};
+use volmap_bake::recipe::Recipe;
+use volmap_formats::asset::{self, Asset, Value};
+use volmap_report::report::{self, page::page, report};
+use volmap_runtime::VolumeMap;
+
+/// Makes an asset, its picture and its report. The asset comes last: if it is there, so is the rest.
+///
+/// # Errors
+/// A mesh that can't be read or baked; files that can't be written. What lay in the asset's place stays.
+pub fn make(order: &Order, on_step: &mut dyn FnMut(&str)) -> Result<Made, Error> {
+    let start = Instant::now();
+    let recipe = order.subject.parameters.recipe();
+    let mut notes = Vec::new();
+    let found = order.candidates.iter().find_map(|path| reuse(path, order, &recipe));
+    let (asset, bytes, from) = match found {
+        Some(found) => found,
+        None => {
+            let (asset, bytes) = baked(order, &recipe, on_step)?;
+            (asset, bytes, None)
+        }
+    };
+    let figures = figures(&asset);
+    let failed_gates = gates::failed(&order.gates, &figures, bytes.len() as u64);
+    let lot = if failed_gates.is_empty() { &order.files.good } else { &order.files.rejected };
+    on_step("drawing");
+    publish(&lot.preview, &preview::preview(&VolumeMap::from_asset(&asset)?))?;
+    if let Some(page) = &lot.report {
+        on_step("measuring for the report");
+        write_report(page, &asset, order)?;
+    }
+    on_step("writing");
+    if from.is_none() || from != order.files.cached {
+        notes.extend(keep(&bytes, order));
+    }
+    publish(&lot.asset, &bytes)?;
+    if failed_gates.is_empty() {
+        // It may have been refused before, and isn't any more.
+        order.files.rejected.forget();
+    }
+    Ok(Made {
+        from,
+        failed_gates,
+        figures,
+        bytes: bytes.len() as u64,
+        file_blake3: blake3::hash(&bytes).to_hex().to_string(),
+        seconds: start.elapsed().as_secs_f64(),
+        peak_memory: None,
+        notes,
+    })
+}
+
+/// What an asset says of its mesh's name and of the program are those of another day; with today's it is what a bake would
+/// give.
+fn reuse(path: &Path, order: &Order, recipe: &Recipe) -> Option<(Asset, Vec<u8>, Option<PathBuf>)> {
+    let (mut asset, mut bytes) = read_same(path, &order.identity.key)?;
+    let names =
+        [("file", file_name(&order.subject.mesh)), ("program_version", env!("CARGO_PKG_VERSION").into())];
+    let mut is_same = true;
+    for (attribute, name) in names {
+        let name = Value::from(name.as_str());
+        is_same &= asset.source.insert(attribute.into(), name.clone()) == Some(name);
+    }
+    if !is_same {
+        bytes = asset::encode(&asset, recipe.compression).ok()?;
+    }
+    Some((asset, bytes, Some(path.to_owned())))
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+fn baked(order: &Order, recipe: &Recipe, on_step: &mut dyn FnMut(&str)) -> Result<(Asset, Vec<u8>), Error> {
+    on_step("reading");
+    let input = content_key::load(&order.subject.mesh, recipe, &order.identity)?;
+    let mut settings = recipe.bake.clone();
+    settings.map.max_memory = order.max_memory;
+    let mut step = |step: Step| on_step(step.name());
+    let mut asset = bake(input.clone(), &settings, &mut |_| (), &mut step)?.asset;
+    if order.subject.error_points > 0 {
+        on_step("measuring the error");
+        measure::note_error(&mut asset, &input, order.subject.error_points)?;
+    }
+    asset.bake.insert(ATTRIBUTE.into(), order.identity.key.as_str().into());
+    on_step("compressing");
+    let bytes = asset::encode(&asset, recipe.compression)?;
+    Ok((asset, bytes))
+}
+
+/// Into the cache, which may be another machine's and full or gone: then the batch does without.
+fn keep(bytes: &[u8], order: &Order) -> Option<String> {
+    let cached = order.files.cached.as_ref()?;
+    if read_same(cached, &order.identity.key).is_some() {
+        return None;
+    }
+    if let Some(folder) = cached.parent() {
+        // What killed writers left there is nobody else's to clear. A folder that isn't there has nothing left.
+        let _ = asset::clear_leftovers(folder);
+    }
+    let error = publish(cached, bytes).err()?;
+    Some(format!("not kept in the cache: {error}"))
+}
+
+/// The asset in a file and its bytes, if it has this key.
+fn read_same(path: &Path, key: &str) -> Option<(Asset, Vec<u8>)> {
+    let bytes = std::fs::read(path).ok()?;
+    let asset = asset::from_bytes(bytes.clone()).ok()?;
+    (key_of(&asset) == Some(key)).then_some((asset, bytes))
+}
+
+/// Without a verdict: gates may change, and the page stays.
+fn write_report(path: &Path, asset: &Asset, order: &Order) -> Result<(), Error> {
+    let mesh = content_key::load(&order.subject.mesh, &order.subject.parameters.recipe(), &order.identity)?;
+    let found = report(asset, Some(mesh), &report::Settings::default(), &mut |_| ())?;
+    let json = serde_json::to_string_pretty(&found.findings).expect("numbers and text") + "\n";
+    let html = page(&file_name(&order.files.good.asset), &found.findings, found.pictures()).to_html();
+    publish(&path.with_extension("json"), json.as_bytes())?;
+    publish(path, html.as_bytes())
+}
+
+fn publish(path: &Path, bytes: &[u8]) -> Result<(), Error> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    std::fs::create_dir_all(folder).map_err(|source| Error::io(folder, source))?;
+    Ok(asset::publish(path, bytes)?)
+}

@@ -1,0 +1,4 @@
+//! Charts, coloured planes and pages: what a report draws. It knows no map. The same bytes on every machine.
+
+pub mod page;
+pub mod picture;

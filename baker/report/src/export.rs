@@ -1,0 +1,115 @@
+//! Maps for other programs: which file, and what is in it.
+//!
+//! ```text
+//! Asset -> hexahedra  -> .vtkhdf   the map itself, for ParaView and VTK
+//!       -> image      -> .vti      its values at equally spaced points
+//!       -> surface    -> .ply      the surface Phi = constant
+//!       -> discregrid -> .cdm/.cdf the map for SPlisHSPlasH, the distance for Discregrid
+//! ```
+
+pub mod deep;
+pub mod discregrid;
+pub mod hexahedra;
+pub mod image;
+
+use crate::error::Error;
+use std::path::Path;
+use volmap_bake::area_map::require_space;
+use volmap_bake::iso_surface::iso_surface;
+use volmap_bake::iso_surface::lattice::LatticeChoice;
+use volmap_bake::summary::thousands;
+use volmap_formats::asset::{Array, Asset};
+use volmap_formats::export::{cdm, ply, vti, vtkhdf};
+use volmap_runtime::VolumeMap;
+
+/// A field of the map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Field {
+    /// Signed distance, metres.
+    Distance,
+    /// Boundary volume, m^3.
+    Volume,
+}
+
+/// What is exported, where the format leaves a choice. What a format has no use for is refused.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ExportSettings {
+    /// VTI: one field only.
+    pub field: Option<Field>,
+    /// VTI and PLY: the points at which the map is asked; by default the corners of its cells, and thirds of its cells.
+    pub lattice: Option<LatticeChoice>,
+    /// PLY: the distance of the surface, metres; by default 0.
+    pub iso: Option<f64>,
+}
+
+/// Writes a map as what the extension of `path` says; what it says then is for people.
+///
+/// # Errors
+/// An unknown extension, settings that the format has no use for, an asset that isn't consistent, or a file that
+/// can't be written.
+pub fn export(asset: &Asset, path: &Path, settings: &ExportSettings) -> Result<String, Error> {
+    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    check_settings(&extension, settings)?;
+    require_space(asset, "volmap export")?;
+    match extension.as_str() {
+        "vtkhdf" => {
+            let cells = hexahedra::hexahedra(asset)?;
+            vtkhdf::write(path, &cells)?;
+            Ok(format!("{} cubic cells, {} points", count(&cells.cells), count(&cells.points)))
+        }
+        "vti" => {
+            let image = image::image(asset, settings)?;
+            vti::write(path, &image)?;
+            let [x, y, z] = image.points;
+            Ok(format!("{x} x {y} x {z} points"))
+        }
+        "ply" => {
+            let iso = settings.iso.unwrap_or(0.0);
+            let surface = iso_surface(&VolumeMap::from_asset(asset)?, iso, settings.lattice)?;
+            let comment = format!("volmap, surface of signed distance {iso} m");
+            ply::write(path, &surface.vertices, &surface.triangles, &comment)?;
+            Ok(surface.to_string())
+        }
+        _ => {
+            let grid = discregrid::discregrid(asset, extension == "cdm")?;
+            cdm::write(path, &grid)?;
+            let distance = &grid.fields[0];
+            Ok(format!("{} cells, {} nodes", count(&distance.cells), count(&distance.nodes)))
+        }
+    }
+}
+
+fn check_settings(extension: &str, settings: &ExportSettings) -> Result<(), Error> {
+    let useless = |option| Err(Error::setting(option, format!("has no meaning in a .{extension} file")));
+    let (field, lattice, iso) = match extension {
+        "vti" => (true, true, false),
+        "ply" => (false, true, true),
+        "vtkhdf" | "cdm" | "cdf" => (false, false, false),
+        _ => {
+            return Err(Error::setting(
+                "--output",
+                "name a file ending in .vtkhdf, .vti, .ply, .cdm or .cdf",
+            ));
+        }
+    };
+    match settings {
+        ExportSettings { field: Some(_), .. } if !field => useless("--field"),
+        ExportSettings { lattice: Some(_), .. } if !lattice => useless("--resolution and --cell-size"),
+        ExportSettings { iso: Some(_), .. } if !iso => useless("--iso"),
+        _ => Ok(()),
+    }
+}
+
+fn count<T>(list: &[T]) -> String {
+    thousands(list.len() as u64)
+}
+
+/// A field's values at the nodes.
+fn values(field: &Array) -> Vec<f64> {
+    match field {
+        Array::F32(v) => v.iter().map(|&x| x.into()).collect(),
+        Array::F64(v) => v.clone(),
+        Array::Rounded(v) => v.values().collect(),
+        Array::U32(v) => v.iter().map(|&x| x.into()).collect(),
+    }
+}

@@ -1,0 +1,194 @@
+//! How exact an asset is: errors against references of order 100 and beyond, their parts, and pictures of them.
+//!
+//! ```text
+//! asset (+ mesh, shape) -> model -> samples -> volume_error, distance_error, thin -> statistics -> figures, page, JSON
+//! ```
+//! The model is Fig. 6 of Bender et al. 2020, *Implicit Frictional Boundary Handling for SPH*: the map, its difference
+//! to an order-100 integral at every pixel, the surface, the largest error.
+
+pub mod density_error;
+pub mod distance_error;
+pub mod figures;
+pub mod findings;
+pub mod model;
+pub mod page;
+pub mod reference;
+pub mod samples;
+pub mod shape;
+pub mod slices;
+pub mod statistics;
+pub mod thin;
+pub mod views;
+pub mod volume_error;
+
+use crate::error::Error;
+use figures::{Picture, slice_pictures, view_picture};
+use findings::{Findings, findings};
+use glam::DVec3;
+use model::{Model, Solid};
+use shape::Shape;
+use slices::ErrorSlice;
+use statistics::Measurement;
+use thin::Width;
+use views::View;
+use volmap_bake::input::Input;
+use volmap_bake::sdf::{compare_signs, points_near_surface};
+use volmap_bake::work::Work;
+use volmap_formats::asset::Asset;
+use volume_error::{Measuring, VolumeSample};
+
+/// What is measured.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Random points of the band.
+    pub points: usize,
+    /// How many of them are compared with the mesh.
+    pub mesh_points: usize,
+    /// How many of them by the paper's rule too, which takes long there.
+    pub gl100_mesh_points: usize,
+    /// Seed of the points.
+    pub seed: u64,
+    /// The shape that the mesh stands for.
+    pub shape: Option<Shape>,
+    /// Largest error that passes, as a part of the full ball.
+    pub max_error: Option<f64>,
+    /// Pixels of the longest side of a slice; none are made of 0.
+    pub pixels: usize,
+}
+
+impl Default for Settings {
+    fn default() -> Settings {
+        Settings {
+            points: 10_000,
+            mesh_points: 1_000,
+            gl100_mesh_points: 0,
+            seed: 1,
+            shape: None,
+            max_error: None,
+            pixels: 288,
+        }
+    }
+}
+
+/// A step of the report, for progress.
+#[derive(Clone, Debug)]
+pub enum Step {
+    /// Preparing mesh and asset.
+    Opening,
+    /// Integrals at the random points.
+    Samples(Work),
+    /// Distances, normals, signs and widths.
+    Surface,
+    /// Integrals at the pixels of slices.
+    Slices(Work),
+    /// Drawing.
+    Pictures,
+}
+
+/// All that was measured.
+pub struct Report {
+    /// The figures, as they stand in the JSON file.
+    pub findings: Findings,
+    /// Slices through the middle of the solid and through the worst point.
+    pub slices: Vec<ErrorSlice>,
+    /// The surface from three sides, and what is thin of it.
+    pub views: Vec<View>,
+    /// The mesh, if there is one.
+    pub solid: Option<Solid>,
+}
+
+impl Report {
+    /// Its pictures.
+    pub fn pictures(&self) -> Vec<Picture> {
+        let mesh = self.solid.as_ref().map(|solid| (&solid.mesh, solid.name.as_str()));
+        let mut out = slice_pictures(&self.slices, mesh);
+        let signs = self.findings.signs.iter().flat_map(|signs| &signs.worst);
+        let disagreeing: Vec<DVec3> = signs.map(|(point, _)| DVec3::from(*point)).collect();
+        out.extend(view_picture(&self.views, &disagreeing));
+        out
+    }
+}
+
+/// Measures an asset.
+///
+/// # Errors
+/// An asset or a mesh that can't be used.
+pub fn report(
+    asset: &Asset,
+    mesh: Option<Input>,
+    settings: &Settings,
+    enter: &mut dyn FnMut(Step),
+) -> Result<Report, Error> {
+    enter(Step::Opening);
+    let model = Model::new(asset)?;
+    if model.cells.band.is_empty() {
+        return Err(Error::setting("asset", "stores no cells; there is nothing to measure"));
+    }
+    let solid = mesh.map(|input| Solid::new(asset, input)).transpose()?;
+    let points = samples::band_points(&model.field.grid, &model.cells.band, settings.points, settings.seed);
+    let measuring = Measuring {
+        model: &model,
+        solid: solid.as_ref(),
+        shape: settings.shape,
+        mesh_points: settings.mesh_points,
+        gl100_mesh_points: settings.gl100_mesh_points,
+    };
+    let work = Work::new(points.len() as u64);
+    enter(Step::Samples(work.clone()));
+    let volumes = volume_error::measure(&measuring, &points, &work);
+    enter(Step::Surface);
+    let surface = solid.as_ref().map(|solid| surface((asset, &model), solid, &points));
+    let worst = findings::worst_point(&volumes);
+    let slices = slices::slices(&model, worst, settings.pixels, &mut |total| {
+        let work = Work::new(total);
+        enter(Step::Slices(work.clone()));
+        work
+    });
+    enter(Step::Pictures);
+    let views = match (&solid, settings.pixels) {
+        (Some(solid), pixels @ 1..) => views::views(&model, solid, pixels),
+        _ => Vec::new(),
+    };
+    let measured = Measured { asset, model: &model, solid: solid.as_ref(), volumes, surface };
+    let findings = findings(&measured, settings, &slices);
+    Ok(Report { findings, slices, views, solid })
+}
+
+/// What was measured, before it is summed up.
+pub struct Measured<'a> {
+    /// The asset.
+    pub asset: &'a Asset,
+    /// The same, opened.
+    pub model: &'a Model,
+    /// The solid.
+    pub solid: Option<&'a Solid>,
+    /// Volumes.
+    pub volumes: Vec<VolumeSample>,
+    /// What needs the mesh.
+    pub surface: Option<Surface>,
+}
+
+/// What needs the mesh.
+pub struct Surface {
+    /// Errors of the density, if the asset has one.
+    pub density: Option<Vec<Measurement>>,
+    /// Errors of distance and normal.
+    pub errors: distance_error::DistanceErrors,
+    /// Where signs differ.
+    pub signs: volmap_bake::sdf::SignComparison,
+    /// Widths of walls and gaps at points spread over the surface.
+    pub widths: Vec<Width>,
+}
+
+fn surface((asset, model): (&Asset, &Model), solid: &Solid, points: &[DVec3]) -> Surface {
+    let corner = |v: u32| DVec3::from(solid.mesh.vertices[v as usize]);
+    let corners: Vec<[DVec3; 3]> = solid.mesh.triangles.iter().map(|triangle| triangle.map(corner)).collect();
+    let reach = thin::reach(model);
+    let density = asset.density.as_ref();
+    Surface {
+        density: density.and_then(|density| density_error::measure((model, density), solid, points)),
+        errors: distance_error::measure(model, solid, points),
+        signs: compare_signs(&solid.phi.mesh, &points_near_surface(&corners)),
+        widths: thin::widths(solid, &thin::spread(&corners), reach),
+    }
+}

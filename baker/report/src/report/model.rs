@@ -1,0 +1,91 @@
+//! An asset as the report sees it: its fields in double precision, and the solid that it stands for.
+
+use crate::error::Error;
+use std::f64::consts::PI;
+use volmap_bake::input::Input;
+use volmap_bake::mesh::{Diagnosis, prepare};
+use volmap_bake::provenance;
+use volmap_bake::sdf::band::BandCells;
+use volmap_bake::sdf::boundary_distance::BoundaryDistance;
+use volmap_bake::sdf::field::DistanceField;
+use volmap_bake::sdf::{MeshDistance, SignMethod};
+use volmap_bake::volume_map::quadrature::Rule;
+use volmap_formats::asset::{Asset, Value};
+use volmap_formats::mesh::TriangleMesh;
+use volmap_runtime::{Grid, Nodes, VolumeMap};
+
+/// An asset, opened in every way that is needed.
+pub struct Model {
+    /// As users see it.
+    pub map: VolumeMap,
+    /// The distance that it stores.
+    pub field: DistanceField,
+    /// Which cells it stores.
+    pub cells: BandCells,
+    /// The rule of its volume, if it is one that we know.
+    pub rule: Option<Rule>,
+    /// Support radius, metres.
+    pub radius: f64,
+    /// Volume of the full ball, m^3.
+    pub ball: f64,
+}
+
+/// The mesh that an asset was baked from, or another to compare it with.
+pub struct Solid {
+    /// Oriented as for the bake, metres.
+    pub mesh: TriangleMesh,
+    /// What is wrong with it.
+    pub diagnosis: Diagnosis,
+    /// Its signed distance.
+    pub phi: BoundaryDistance,
+    /// Name of its file.
+    pub name: String,
+    /// If it is not the file that was baked.
+    pub warning: Option<String>,
+}
+
+impl Model {
+    /// Opens an asset.
+    ///
+    /// # Errors
+    /// An asset that the runtime refuses.
+    pub fn new(asset: &Asset) -> Result<Model, Error> {
+        let map = VolumeMap::from_asset(asset).map_err(|error| Error::setting("asset", error.to_string()))?;
+        let cells = BandCells { band: asset.band_cells.clone(), solid: asset.solid_cells.clone() };
+        let grid = Grid::from(asset.grid);
+        let nodes = Nodes::new(grid.resolution, &cells.band)
+            .ok_or_else(|| Error::setting("asset", "has more than 2^32 nodes"))?;
+        let values = asset.signed_distance.to_f64();
+        let radius = asset.support_radius;
+        Ok(Model {
+            field: DistanceField::new(grid, &cells, &nodes, asset.exterior, values),
+            map,
+            cells,
+            rule: asset.quadrature.name.parse().ok(),
+            radius,
+            ball: 4.0 / 3.0 * PI * radius.powi(3),
+        })
+    }
+}
+
+impl Solid {
+    /// The solid of a mesh, made as the asset says that it was baked.
+    ///
+    /// # Errors
+    /// Parameters that no bake writes.
+    pub fn new(asset: &Asset, mut input: Input) -> Result<Solid, Error> {
+        let keep_orientation = provenance::flag(asset, "keep_orientation")?;
+        let diagnosis = prepare(&mut input.mesh, keep_orientation).diagnosis;
+        let sign = match asset.bake.get("sign") {
+            Some(Value::Text(name)) if name == "pseudonormal" => SignMethod::Pseudonormal,
+            _ => SignMethod::Auto,
+        };
+        let phi = BoundaryDistance {
+            mesh: MeshDistance::new(&input.mesh, sign, &diagnosis),
+            invert: provenance::flag(asset, "invert")?,
+            thickness: provenance::real(asset, "thickness", 0.0)?,
+        };
+        let warning = provenance::other_mesh(asset, &input.source);
+        Ok(Solid { mesh: input.mesh, diagnosis, phi, name: input.source.file, warning })
+    }
+}
