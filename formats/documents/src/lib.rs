@@ -153,3 +153,7 @@ fn start_of(text: &str, end: usize, message: &str) -> usize {
     let before = |word: &str| text.get(..(end + 1).min(text.len()))?.rfind(&format!("\"{word}\""));
     unknown.and_then(before).unwrap_or(end)
 }
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
