@@ -12,6 +12,7 @@ mod gltf;
 pub(super) mod obj;
 mod off;
 mod ply;
+mod raw_triangles;
 mod stl;
 mod strangers;
 mod threemf;
@@ -43,6 +44,8 @@ pub enum MeshFormat {
     Vtu,
     /// VTK XML polygons.
     Vtp,
+    /// Raw triangles: text with nine numbers a line.
+    RawTriangles,
 }
 
 /// All that is known of a format outside its reader.
@@ -74,7 +77,7 @@ enum Sign {
 }
 
 /// A row for each variant, in the same order.
-static TABLE: [Entry; 10] = [
+static TABLE: [Entry; 11] = [
     Entry {
         format: MeshFormat::Obj,
         name: obj::NAME,
@@ -169,6 +172,16 @@ static TABLE: [Entry; 10] = [
         description: "VTK XML, polygons",
         sign: |bytes| sign_if(vtk_xml::holds_polygons(start(bytes)) == Some(true), Sign::Structure),
         read: |bytes, _| vtk_xml::read(bytes, vtk_xml::POLYGONS_NAME),
+        references: no_references,
+    },
+    Entry {
+        format: MeshFormat::RawTriangles,
+        name: raw_triangles::NAME,
+        extensions: &["raw", "tri"],
+        description: "raw triangles, nine numbers a line",
+        // Points with colours and normals are nine numbers a line too: only the name tells.
+        sign: |_| Sign::None,
+        read: |bytes, _| raw_triangles::read(bytes),
         references: no_references,
     },
 ];
@@ -282,6 +295,11 @@ impl MeshFormat {
 fn unknown(first_line: Option<&[u8]>) -> String {
     let numbers = first_line.map(|line| words(line).map(parse::<f64>).collect::<Option<Vec<_>>>());
     match numbers.flatten().map(|numbers| numbers.len()) {
+        Some(9) => {
+            "lines of nine numbers; if each line is the three corners of a triangle, name the file `.tri`; \
+                    if each is a point with its colour and normal, reconstruct a surface first"
+                .into()
+        }
         Some(3..) => {
             "lines of numbers, it seems a point cloud; reconstruct a surface first (in MeshLab: Filters > \
                       Remeshing > Screened Poisson)"
