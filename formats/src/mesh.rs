@@ -21,29 +21,21 @@ pub mod budget;
 mod clean;
 mod decimal;
 mod error;
-mod gltf;
+mod format;
 pub mod guard;
-mod obj;
-mod off;
 mod outline;
-mod ply;
 mod raw;
-mod sniff;
-mod stl;
+mod skipped;
 mod text;
-mod threemf;
 mod transform;
-mod vtk;
-mod vtk_cells;
-mod vtk_xml;
-mod xml;
 
 pub use clean::{CleanReport, CleanSettings, clean};
 pub use error::MeshError;
+pub use format::MeshFormat;
 pub use outline::{Outline, parse_outline};
-pub use raw::{Faces, MAX_COORDINATE, RawMesh, Skipped};
-pub use sniff::MeshFormat;
-pub use transform::{Affine, Placement, Rotation, UpAxis};
+pub use raw::{Faces, MAX_COORDINATE, RawMesh};
+pub use skipped::Skipped;
+pub use transform::{Placement, Rotation, UpAxis};
 
 /// A triangle mesh, indexed.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -94,12 +86,7 @@ pub fn parse_mesh(path: &Path, bytes: &[u8]) -> Result<RawMesh, MeshError> {
 
 /// Other files that a mesh file's geometry is in, relative to its folder: the buffers of a glTF. They need not exist.
 pub fn references(format: MeshFormat, bytes: &[u8]) -> Vec<PathBuf> {
-    match format {
-        MeshFormat::Gltf | MeshFormat::Glb => {
-            guard::contain(format, || Ok(gltf::buffer_files(bytes))).unwrap_or_default()
-        }
-        _ => Vec::new(),
-    }
+    guard::contain(format.name(), || Ok(format.references(bytes))).unwrap_or_default()
 }
 
 fn file_bytes(path: &Path) -> Result<Vec<u8>, MeshError> {
@@ -129,16 +116,7 @@ pub fn read_mesh_bytes(bytes: &[u8], format: MeshFormat) -> Result<RawMesh, Mesh
 }
 
 fn read(bytes: &[u8], format: MeshFormat, folder: Option<&Path>) -> Result<RawMesh, MeshError> {
-    let raw = guard::contain(format, || match format {
-        MeshFormat::Obj => obj::read(bytes),
-        MeshFormat::Stl => stl::read(bytes),
-        MeshFormat::Ply => ply::read(bytes),
-        MeshFormat::Off => off::read(bytes),
-        MeshFormat::Gltf | MeshFormat::Glb => gltf::read(bytes, format, folder),
-        MeshFormat::ThreeMf => threemf::read(bytes),
-        MeshFormat::Vtk => vtk::read(bytes),
-        MeshFormat::Vtu | MeshFormat::Vtp => vtk_xml::read(bytes, format),
-    })?;
+    let raw = guard::contain(format.name(), || format.read(bytes, folder))?;
     raw.check()?;
     raw.check_not_empty()?;
     Ok(raw)

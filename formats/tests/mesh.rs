@@ -58,11 +58,25 @@ fn every_format_reads_the_box() {
         assert!((area - 62.0).abs() < 1e-5 && (volume - 30.0).abs() < 1e-5, "{name}: {area} {volume}");
         assert!(is_closed(&mesh), "{name}");
     }
+    for format in MeshFormat::ALL {
+        assert!(samples::boxes().iter().any(|sample| sample.format == format), "no sample of {format}");
+    }
+}
+
+#[test]
+fn the_readme_lists_every_format() {
+    for format in MeshFormat::ALL {
+        let extensions =
+            format.extensions().iter().map(|extension| format!("`.{extension}`")).collect::<Vec<_>>();
+        let row = format!("| {format} | {} | {} |", extensions.join(", "), format.description());
+        assert!(include_str!("../README.md").contains(&row), "README.md has no row {row}");
+    }
 }
 
 #[test]
 fn content_wins_over_a_lying_name() {
-    for sample in samples::boxes() {
+    // Lines of nine numbers may be points with colours and normals: only the name tells.
+    for sample in samples::boxes().into_iter().filter(|sample| sample.format != MeshFormat::RawTriangles) {
         for name in ["x.stl", "x.obj", "x.dat", "x"] {
             let format = MeshFormat::detect(Path::new(name), &sample.bytes).unwrap();
             assert_eq!(format, sample.format, "{} called {name}", sample.name);
@@ -135,6 +149,29 @@ fn strangers_are_told_apart() {
     }
     let error = MeshFormat::detect(Path::new("a.xyz"), b"hello\n").unwrap_err();
     assert!(matches!(error, MeshError::UnknownFormat { .. }));
+    assert!(error.to_string().ends_with(&MeshFormat::list()), "{error}");
+}
+
+#[test]
+fn lists_of_points_are_no_triangles() {
+    for (line, part) in [
+        ("1 2 3", "point cloud"),
+        ("1 2 3 0 0 1", "point cloud"),
+        ("1 2 3 255 0 0 0 0 1", "name the file `.tri`"),
+    ] {
+        let text = format!("# a comment\n{line}\n{line}\n");
+        for name in ["a.xyz", "a.txt", "a"] {
+            let error = MeshFormat::detect(Path::new(name), text.as_bytes()).unwrap_err();
+            assert!(
+                matches!(error, MeshError::UnknownFormat { .. }) && error.to_string().contains(part),
+                "{error}"
+            );
+        }
+    }
+    for name in ["a.tri", "a.RAW"] {
+        let format = MeshFormat::detect(Path::new(name), b"0 0 0 1 0 0 0 1 0\n").unwrap();
+        assert_eq!(format, MeshFormat::RawTriangles);
+    }
 }
 
 #[test]
@@ -238,7 +275,7 @@ fn off_variants_have_positions_first() {
 
 #[test]
 fn cleaning_counts_what_it_does() {
-    let mut raw = RawMesh::new(MeshFormat::Obj);
+    let mut raw = RawMesh::new("OBJ");
     raw.positions = vec![
         [0.0, 0.0, 0.0],
         [1.0, 0.0, 0.0],
@@ -259,7 +296,7 @@ fn cleaning_counts_what_it_does() {
 #[test]
 fn a_needle_keeps_a_closed_mesh_closed() {
     // A tetrahedron with a vertex in the middle of an edge that only one side has.
-    let mut raw = RawMesh::new(MeshFormat::Obj);
+    let mut raw = RawMesh::new("OBJ");
     raw.positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.5, 0.0, 0.0]];
     for face in [[0, 2, 1], [0, 4, 3], [4, 1, 3], [1, 2, 3], [2, 0, 3], [0, 1, 4]] {
         raw.add_face(&face);
@@ -272,7 +309,7 @@ fn a_needle_keeps_a_closed_mesh_closed() {
 #[test]
 fn a_weld_tolerance_closes_cracks() {
     let mut raw = read_mesh_bytes(&samples::boxes()[0].bytes, MeshFormat::Obj).unwrap();
-    let mut split = RawMesh::new(MeshFormat::Obj);
+    let mut split = RawMesh::new("OBJ");
     for (k, face) in raw.faces.iter().enumerate() {
         let first = split.positions.len() as u32;
         let shift = k as f64 * 1e-5;
@@ -295,7 +332,7 @@ fn raw_mesh() -> impl Strategy<Value = RawMesh> {
     let positions = prop::collection::vec([coordinate.clone(), coordinate.clone(), coordinate], 1..24);
     let faces = prop::collection::vec(prop::collection::vec(0u32..26, 0..9), 0..20);
     (positions, faces).prop_map(|(positions, faces)| {
-        let mut raw = RawMesh::new(MeshFormat::Off);
+        let mut raw = RawMesh::new("OFF");
         raw.positions = positions;
         faces.iter().for_each(|face| raw.add_face(face));
         raw
@@ -321,7 +358,7 @@ proptest! {
             prop_assert_eq!(count + report.welded + report.unreferenced, raw.positions.len());
             prop_assert_eq!(report.triangles + report.quads + report.polygons, raw.faces.len());
             // Cleaning what is clean changes nothing.
-            let mut again = RawMesh::new(MeshFormat::Off);
+            let mut again = RawMesh::new("OFF");
             again.positions = mesh.vertices.clone();
             mesh.triangles.iter().for_each(|t| again.add_face(t));
             prop_assert_eq!(&clean(again, &CleanSettings::default()).unwrap().0, &mesh);

@@ -1,7 +1,7 @@
 //! How much a file may expand: compressed blocks, instances and shared data let a small file claim
 //! a huge mesh.
 
-use super::MeshError;
+use super::error::MeshError;
 
 /// Every file may expand to this many bytes.
 pub const BASE: u64 = 256 << 20;

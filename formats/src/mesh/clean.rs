@@ -8,7 +8,11 @@ mod triangulate;
 mod weld;
 
 use self::triangulate::{Outcome, Triangulator};
-use super::{MeshError, RawMesh, TriangleMesh};
+use super::TriangleMesh;
+use super::error::MeshError;
+use super::raw::RawMesh;
+use super::skipped::Skipped;
+use glam::DVec3;
 
 /// A triangle's sides are numbered, and a bit is left for their directions.
 const MAX_TRIANGLES: usize = (1 << 31) / 3;
@@ -47,7 +51,7 @@ pub struct CleanReport {
     /// Dropped: vertices that no triangle refers to.
     pub unreferenced: usize,
     /// Elements of the file that hold no surface.
-    pub skipped: super::Skipped,
+    pub skipped: Skipped,
 }
 
 /// Welds, triangulates and drops what is degenerate or double. See [`CleanReport`].
@@ -79,7 +83,7 @@ pub fn clean(raw: RawMesh, settings: &CleanSettings) -> Result<(TriangleMesh, Cl
     let mut mesh = compact(raw.positions, triangles);
     report.unreferenced = vertices - report.welded - mesh.vertices.len();
     report.duplicates = duplicates::drop_duplicates(&mut mesh);
-    let area_free = |t: &&[u32; 3]| has_no_area(t.map(|v| mesh.vertices[v as usize]));
+    let area_free = |t: &&[u32; 3]| has_no_area(t.map(|v| mesh.vertices[v as usize].into()));
     report.zero_area = mesh.triangles.iter().filter(area_free).count();
     Ok((mesh, report))
 }
@@ -141,8 +145,9 @@ fn larger(a: f64, b: f64) -> f64 {
 }
 
 /// Whether the height over the longest edge is below rounding of the coordinates.
-fn has_no_area([a, b, c]: [[f64; 3]; 3]) -> bool {
-    let size = [a, b, c].iter().flatten().fold(0.0f64, |max, c| larger(max, c.abs()));
+fn has_no_area([a, b, c]: [DVec3; 3]) -> bool {
+    let coordinates = [a, b, c].map(|p| p.to_array());
+    let size = coordinates.as_flattened().iter().fold(0.0f64, |max, c| larger(max, c.abs()));
     if size == 0.0 {
         return true;
     }
@@ -150,22 +155,17 @@ fn has_no_area([a, b, c]: [[f64; 3]; 3]) -> bool {
         return false;
     }
     // Scaled, so that tiny and huge meshes neither underflow nor overflow.
-    let minus = |p: [f64; 3], q: [f64; 3]| [0, 1, 2].map(|i| (p[i] - q[i]) / size);
-    let (u, v, w) = (minus(b, a), minus(c, a), minus(c, b));
-    let dot = |p: [f64; 3], q: [f64; 3]| p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
-    let cross = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
-    let longest = dot(u, u).max(dot(v, v)).max(dot(w, w)).sqrt();
-    dot(cross, cross).sqrt() <= 4.0 * f64::EPSILON * longest
+    let (u, v, w) = ((b - a) / size, (c - a) / size, (c - b) / size);
+    let longest = u.length_squared().max(v.length_squared()).max(w.length_squared()).sqrt();
+    u.cross(v).length() <= 4.0 * f64::EPSILON * longest
 }
 
 /// True only for triangles that [`has_no_area`] would deny: its test with a wider limit and without
 /// roots and divisions, where nothing can underflow or overflow.
-fn surely_has_area([a, b, c]: [[f64; 3]; 3], size: f64) -> bool {
+fn surely_has_area([a, b, c]: [DVec3; 3], size: f64) -> bool {
     const WIDER: f64 = 64.0 * f64::EPSILON;
-    let minus = |p: [f64; 3], q: [f64; 3]| [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
-    let (u, v, w) = (minus(b, a), minus(c, a), minus(c, b));
-    let dot = |p: [f64; 3], q: [f64; 3]| p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
-    let cross = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
-    let longest_squared = larger(larger(dot(u, u), dot(v, v)), dot(w, w));
-    (1e-50..1e50).contains(&size) && dot(cross, cross) > WIDER * WIDER * longest_squared * (size * size)
+    let (u, v, w) = (b - a, c - a, c - b);
+    let longest_squared = larger(larger(u.length_squared(), v.length_squared()), w.length_squared());
+    (1e-50..1e50).contains(&size)
+        && u.cross(v).length_squared() > WIDER * WIDER * longest_squared * (size * size)
 }

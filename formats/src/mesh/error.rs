@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{MeshFormat, Skipped};
+use super::skipped::Skipped;
 
 /// Why a mesh could not be read, cleaned or placed.
 #[derive(Debug, thiserror::Error)]
@@ -32,8 +32,8 @@ pub enum MeshError {
     /// The content breaks its format's rules.
     #[error("{format}, {place}: {problem}")]
     Malformed {
-        /// The format that it was read as.
-        format: MeshFormat,
+        /// Name of the format that it was read as.
+        format: &'static str,
         /// Line, byte offset, or number of the face, vertex or accessor.
         place: String,
         /// What is wrong, and the cure.
@@ -42,8 +42,8 @@ pub enum MeshError {
     /// A valid file that uses what volmap doesn't read.
     #[error("{format}: {feature} is not supported; {cure}")]
     Unsupported {
-        /// The format that it was read as.
-        format: MeshFormat,
+        /// Name of the format that it was read as.
+        format: &'static str,
         /// What is used.
         feature: String,
         /// What to do instead.
@@ -92,8 +92,8 @@ pub enum MeshError {
     /// A bug of ours or of a library, contained.
     #[error("{format}: the reader failed on this file ({message}); please report it, with the file")]
     Panicked {
-        /// The format that it was read as.
-        format: MeshFormat,
+        /// Name of the format that it was read as.
+        format: &'static str,
         /// The panic's message.
         message: String,
     },
@@ -108,7 +108,7 @@ impl MeshError {
     }
 
     pub(super) fn malformed(
-        format: MeshFormat,
+        format: &'static str,
         place: impl Into<String>,
         problem: impl Into<String>,
     ) -> MeshError {
@@ -116,7 +116,7 @@ impl MeshError {
     }
 
     pub(super) fn unsupported(
-        format: MeshFormat,
+        format: &'static str,
         feature: impl Into<String>,
         cure: &'static str,
     ) -> MeshError {

@@ -3,9 +3,10 @@
 
 use std::path::Path;
 
-use super::obj::{face, logical_line, position};
+use super::error::MeshError;
+use super::format::obj::{self, face, logical_line, position};
+use super::guard;
 use super::text::{Words, words};
-use super::{MeshError, MeshFormat, guard};
 
 /// Closed lines in the plane. What they enclose an odd number of times is inside, whichever way round they run.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -21,11 +22,11 @@ pub struct Outline {
 /// # Errors
 /// A [`MeshError`] that names the file: no OBJ, no lines, lines that aren't closed, vertices that aren't in one plane z.
 pub fn parse_outline(path: &Path, bytes: &[u8]) -> Result<Outline, MeshError> {
-    guard::contain(MeshFormat::Obj, || read(bytes)).map_err(|error| error.in_file(path))
+    guard::contain(obj::NAME, || read(bytes)).map_err(|error| error.in_file(path))
 }
 
 fn read(bytes: &[u8]) -> Result<Outline, MeshError> {
-    let mut lines = Words::new(bytes, MeshFormat::Obj);
+    let mut lines = Words::new(bytes, obj::NAME);
     let mut reader = Reader::default();
     loop {
         let here = lines.clone();
@@ -65,7 +66,7 @@ impl Reader {
         let Reader { positions, mut segments, faces } = self;
         segments.retain(|&[a, b]| positions[a as usize][..2] != positions[b as usize][..2]);
         if segments.is_empty() {
-            let instead = if faces > 0 { "faces; bake meshes with `volmap bake`" } else { "none" };
+            let instead = if faces > 0 { "faces: read it as a mesh" } else { "none" };
             return Err(end.bad(format!(
                 "an outline is made of line elements, `l 1 2 3 1`, and the file has {instead}"
             )));
@@ -132,7 +133,7 @@ mod tests {
             ("l 1 2 9 1", "line 5"),
             ("l 1 2 0 1", "`0` is not a corner"),
             ("l 1 x", "`x`"),
-            ("f 1 2 3", "volmap bake"),
+            ("f 1 2 3", "read it as a mesh"),
             ("l 1 1", "line elements"),
             ("v 5 5 0\nl 1 2 5 1", "vertex 5 is at z = 0"),
             ("v 5 nan 0\nl 1 2 3 1", "line 5"),

@@ -1,8 +1,7 @@
 //! A mesh as its file has it.
 
-use std::fmt;
-
-use super::{MeshError, MeshFormat};
+use super::error::MeshError;
+use super::skipped::Skipped;
 
 /// Larger coordinates are refused: their squares and cubes must not overflow.
 pub const MAX_COORDINATE: f64 = 1e100;
@@ -18,8 +17,8 @@ pub struct RawMesh {
     pub objects: usize,
     /// The file's unit in metres, where the format defines it.
     pub unit: Option<f64>,
-    /// The format that it was read as.
-    pub format: MeshFormat,
+    /// What messages call it: the name of the format that it was read as.
+    pub format: &'static str,
     /// What the file has besides faces.
     pub skipped: Skipped,
 }
@@ -30,17 +29,6 @@ pub struct Faces {
     corners: Vec<u32>,
     /// Where each polygon ends; empty as long as all are triangles.
     ends: Vec<usize>,
-}
-
-/// Elements that hold no surface, counted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Skipped {
-    /// Point elements; or faces with one corner.
-    pub points: usize,
-    /// Line elements; or faces with two corners.
-    pub lines: usize,
-    /// Curves, patches, incomplete primitives and the like.
-    pub other: usize,
 }
 
 impl Faces {
@@ -82,22 +70,9 @@ impl Faces {
     }
 }
 
-impl Skipped {
-    /// All of them.
-    pub fn total(&self) -> usize {
-        self.points + self.lines + self.other
-    }
-}
-
-impl fmt::Display for Skipped {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} points, {} lines, {} other elements", self.points, self.lines, self.other)
-    }
-}
-
 impl RawMesh {
-    /// A mesh with nothing in it.
-    pub fn new(format: MeshFormat) -> RawMesh {
+    /// A mesh with nothing in it; messages call it by the name of the format.
+    pub fn new(format: &'static str) -> RawMesh {
         RawMesh {
             positions: Vec::new(),
             faces: Faces::default(),

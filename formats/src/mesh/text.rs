@@ -1,7 +1,8 @@
 //! Words and numbers of a text format, with line numbers.
 
 use super::decimal::short_decimal;
-use super::{MAX_COORDINATE, MeshError, MeshFormat};
+use super::error::MeshError;
+use super::raw::MAX_COORDINATE;
 
 /// A place in a text: words are separated by blanks and line ends (`\n`, `\r\n` or `\r`).
 #[derive(Clone)]
@@ -9,11 +10,11 @@ pub struct Words<'a> {
     bytes: &'a [u8],
     at: usize,
     line: usize,
-    format: MeshFormat,
+    format: &'static str,
 }
 
 impl<'a> Words<'a> {
-    pub fn new(bytes: &'a [u8], format: MeshFormat) -> Words<'a> {
+    pub fn new(bytes: &'a [u8], format: &'static str) -> Words<'a> {
         let at = if bytes.starts_with(b"\xEF\xBB\xBF") { 3 } else { 0 };
         Words { bytes, at, line: 1, format }
     }
@@ -155,6 +156,16 @@ pub fn number(word: &[u8]) -> Option<f64> {
 
 fn short_number(word: &[u8]) -> Option<f64> {
     short_decimal(word).filter(|&(_, length)| length == word.len()).map(|(value, _)| value)
+}
+
+/// A text without its byte order mark.
+pub fn without_bom(bytes: &[u8]) -> &[u8] {
+    bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes)
+}
+
+/// Where `needle` starts.
+pub fn find(bytes: &[u8], needle: &[u8]) -> Option<usize> {
+    bytes.windows(needle.len()).position(|window| window == needle)
 }
 
 /// Words of one line.

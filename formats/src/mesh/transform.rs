@@ -1,10 +1,10 @@
 //! Where a mesh goes: unit, up axis, scale, rotation, translation, in this order.
 
-use super::{MAX_COORDINATE, MeshError, TriangleMesh};
+use glam::{DAffine3, DMat3, DVec3};
 
-/// x' = A x + t, as three rows of [A | t].
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Affine(pub [[f64; 4]; 3]);
+use super::TriangleMesh;
+use super::error::MeshError;
+use super::raw::MAX_COORDINATE;
 
 /// Which axis of the file points up. The mesh is rotated (never mirrored) so that it becomes +y.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -61,7 +61,7 @@ impl Placement {
     /// # Errors
     /// [`MeshError::Setting`] if the unit isn't positive, a scale is 0, the axis has no length, or
     /// a number isn't finite.
-    pub fn affine(&self) -> Result<Affine, MeshError> {
+    pub fn affine(&self) -> Result<DAffine3, MeshError> {
         let setting = |text: String| Err(MeshError::Setting(text));
         if !(self.unit.is_finite() && self.unit > 0.0) {
             return setting(format!("the unit must be positive, not {}", self.unit));
@@ -73,19 +73,13 @@ impl Placement {
             return setting(format!("the translation must be finite, not {:?}", self.translation));
         }
         let up = match self.up_axis {
-            UpAxis::X => [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]],
-            UpAxis::Y => [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-            UpAxis::Z => [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]],
+            UpAxis::X => DMat3::from_cols(DVec3::Y, DVec3::NEG_X, DVec3::Z),
+            UpAxis::Y => DMat3::IDENTITY,
+            UpAxis::Z => DMat3::from_cols(DVec3::X, DVec3::NEG_Z, DVec3::Y),
         };
-        let factor = self.scale.map(|s| s * self.unit);
-        let scaled = Affine(std::array::from_fn(|i| {
-            [up[i][0] * factor[i], up[i][1] * factor[i], up[i][2] * factor[i], 0.0]
-        }));
-        let mut placed = self.rotation.affine()?.after(&scaled);
-        for (row, shift) in placed.0.iter_mut().zip(self.translation) {
-            row[3] = shift;
-        }
-        Ok(placed)
+        let scale = DMat3::from_diagonal(DVec3::from(self.scale) * self.unit);
+        let matrix = self.rotation.matrix()? * (scale * up);
+        Ok(DAffine3::from_mat3_translation(matrix, self.translation.into()))
     }
 
     /// Places a mesh.
@@ -98,16 +92,17 @@ impl Placement {
             return Ok(());
         }
         let affine = self.affine()?;
-        let fits = |p: &[f64; 3]| affine.apply(*p).iter().all(|c| c.abs() <= MAX_COORDINATE);
+        let place = |&p: &[f64; 3]| affine.transform_point3(p.into()).to_array();
+        let fits = |p: &[f64; 3]| place(p).iter().all(|c| c.abs() <= MAX_COORDINATE);
         if let Some(vertex) = mesh.vertices.iter().position(|p| !fits(p)) {
             return Err(MeshError::Setting(format!(
                 "the placement moves vertex {vertex} beyond 1e100; check unit, scale and translation"
             )));
         }
         for p in &mut mesh.vertices {
-            *p = affine.apply(*p);
+            *p = place(p);
         }
-        if affine.mirrors() {
+        if affine.matrix3.determinant() < 0.0 {
             for triangle in &mut mesh.triangles {
                 triangle.swap(1, 2);
             }
@@ -117,23 +112,30 @@ impl Placement {
 }
 
 impl Rotation {
-    /// Rodrigues' formula.
-    fn affine(&self) -> Result<Affine, MeshError> {
-        let [x, y, z] = self.axis;
-        let length = x.hypot(y).hypot(z);
+    /// Rodrigues' formula. Unlike glam's own it is exact for quarter turns, and of the same bits whatever library gives
+    /// glam its sine.
+    fn matrix(&self) -> Result<DMat3, MeshError> {
+        let axis = DVec3::from(self.axis);
+        let length = axis.x.hypot(axis.y).hypot(axis.z);
         if !(length.is_finite() && length > 0.0 && self.degrees.is_finite()) {
             return Err(MeshError::Setting(format!(
                 "the rotation needs an axis with a length and a finite angle, not {:?} and {}",
                 self.axis, self.degrees
             )));
         }
-        let [x, y, z] = [x / length, y / length, z / length];
+        let DVec3 { x, y, z } = axis / length;
         let (sin, cos) = sin_cos_degrees(self.degrees);
         let rest = 1.0 - cos;
-        Ok(Affine([
-            [cos + x * x * rest, x * y * rest - z * sin, x * z * rest + y * sin, 0.0],
-            [y * x * rest + z * sin, cos + y * y * rest, y * z * rest - x * sin, 0.0],
-            [z * x * rest - y * sin, z * y * rest + x * sin, cos + z * z * rest, 0.0],
+        Ok(DMat3::from_cols_array(&[
+            cos + x * x * rest,
+            y * x * rest + z * sin,
+            z * x * rest - y * sin,
+            x * y * rest - z * sin,
+            cos + y * y * rest,
+            z * y * rest + x * sin,
+            x * z * rest + y * sin,
+            y * z * rest - x * sin,
+            cos + z * z * rest,
         ]))
     }
 }
@@ -150,42 +152,13 @@ fn sin_cos_degrees(degrees: f64) -> (f64, f64) {
     }
 }
 
-impl Affine {
-    /// Leaves all as it is.
-    pub const IDENTITY: Affine = Affine([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]);
-
-    /// The transformed point.
-    pub fn apply(&self, p: [f64; 3]) -> [f64; 3] {
-        self.0.map(|row| row[0] * p[0] + row[1] * p[1] + row[2] * p[2] + row[3])
-    }
-
-    /// `self` applied to what `first` gives.
-    pub fn after(&self, first: &Affine) -> Affine {
-        let mut rows = [[0.0; 4]; 3];
-        for (row, own) in rows.iter_mut().zip(&self.0) {
-            for (k, value) in row.iter_mut().enumerate() {
-                *value = (0..3).map(|j| own[j] * first.0[j][k]).sum();
-            }
-            row[3] += own[3];
-        }
-        Affine(rows)
-    }
-
-    /// Whether it turns left into right.
-    pub fn mirrors(&self) -> bool {
-        let [a, b, c] = self.0;
-        let det = a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0])
-            + a[2] * (b[0] * c[1] - b[1] * c[0]);
-        det < 0.0
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
     fn placed(placement: Placement, p: [f64; 3]) -> [f64; 3] {
-        placement.affine().unwrap().apply(p)
+        placement.affine().unwrap().transform_point3(p.into()).to_array()
     }
 
     #[test]
@@ -195,7 +168,7 @@ mod tests {
         {
             let placement = Placement { up_axis, ..Default::default() };
             assert_eq!(placed(placement, up), [0.0, 1.0, 0.0]);
-            assert!(!placement.affine().unwrap().mirrors());
+            assert!(placement.affine().unwrap().matrix3.determinant() > 0.0);
         }
     }
 
@@ -234,6 +207,59 @@ mod tests {
         ];
         for placement in bad {
             assert!(placement.affine().is_err(), "{placement:?}");
+        }
+    }
+
+    /// The same in plain arrays, with every operation in the order that assets have always been made with.
+    fn placed_in_plain_arrays(placement: &Placement, p: [f64; 3]) -> [f64; 3] {
+        let up = match placement.up_axis {
+            UpAxis::X => [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]],
+            UpAxis::Y => [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+            UpAxis::Z => [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]],
+        };
+        let [x, y, z] = placement.rotation.axis;
+        let length = x.hypot(y).hypot(z);
+        let [x, y, z] = [x / length, y / length, z / length];
+        let (s, c) = sin_cos_degrees(placement.rotation.degrees);
+        let e = 1.0 - c;
+        let turn = [
+            [c + x * x * e, x * y * e - z * s, x * z * e + y * s],
+            [y * x * e + z * s, c + y * y * e, y * z * e - x * s],
+            [z * x * e - y * s, z * y * e + x * s, c + z * z * e],
+        ];
+        let scaled = |i: usize, k: usize| up[i][k] * (placement.scale[i] * placement.unit);
+        let entry =
+            |row: [f64; 3], k: usize| row[0] * scaled(0, k) + row[1] * scaled(1, k) + row[2] * scaled(2, k);
+        let matrix = turn.map(|row| [0, 1, 2].map(|k| entry(row, k)));
+        std::array::from_fn(|i| {
+            let row = matrix[i];
+            row[0] * p[0] + row[1] * p[1] + row[2] * p[2] + placement.translation[i]
+        })
+    }
+
+    fn number() -> impl Strategy<Value = f64> {
+        prop_oneof![Just(0.0), Just(1.0), Just(-1.0), -1e3..1e3, 1e-30..1e-3, 1e6..1e40]
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(20_000))]
+
+        #[test]
+        fn every_bit_is_that_of_the_plain_formula(
+            (unit, up) in (prop_oneof![Just(1.0), Just(0.001), Just(0.0254), 1e-3..1e3], 0..3usize),
+            scale in [number(), number(), number()],
+            (axis, degrees) in ([number(), number(), number()],
+                prop_oneof![Just(0.0), Just(90.0), Just(180.0), Just(-90.0), -720.0..720.0]),
+            translation in [number(), number(), number()],
+            p in [number(), number(), number()],
+        ) {
+            let up_axis = [UpAxis::X, UpAxis::Y, UpAxis::Z][up];
+            let scale = scale.map(|s| if s == 0.0 { -1.0 } else { s });
+            let rotation = Rotation { axis, degrees };
+            let placement = Placement { unit, up_axis, scale, rotation, translation };
+            prop_assume!(placement.affine().is_ok());
+            let expected = placed_in_plain_arrays(&placement, p).map(f64::to_bits);
+            prop_assert_eq!(placed(placement, p).map(f64::to_bits), expected, "{:?}", placement);
         }
     }
 }

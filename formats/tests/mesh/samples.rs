@@ -325,6 +325,15 @@ pub fn vtu_bomb() -> Vec<u8> {
     vtu("compressor=\"vtkZLibDataCompressor\"", "binary", |_| packed.clone().into_bytes())
 }
 
+fn raw_triangles() -> Vec<u8> {
+    let mut text = String::from("# box\n");
+    for t in triangles() {
+        let [a, b, c] = t.map(|v| points()[v as usize].map(|x| x.to_string()).join(" "));
+        writeln!(text, "{a}  {b}\t{c}").unwrap();
+    }
+    text.into_bytes()
+}
+
 pub fn boxes() -> Vec<Sample> {
     let off = format!("OFF\n# box\n8 6 12\n{}{}", text_points(), text_quads()).into_bytes();
     let vtu_zlib = "compressor=\"vtkZLibDataCompressor\"";
@@ -350,6 +359,7 @@ pub fn boxes() -> Vec<Sample> {
         ("VTU base64", MeshFormat::Vtu, vtu("header_type=\"UInt64\"", "binary", base64)),
         ("VTU raw", MeshFormat::Vtu, vtu("header_type=\"UInt64\"", "appended", raw_block)),
         ("VTU zlib", MeshFormat::Vtu, vtu(vtu_zlib, "binary", zlib_block)),
+        ("raw triangles", MeshFormat::RawTriangles, raw_triangles()),
     ];
     samples.map(|(name, format, bytes)| Sample { name, format, bytes }).into()
 }

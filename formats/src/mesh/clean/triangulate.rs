@@ -4,6 +4,8 @@
 //! Schumacker 1974). Convex polygons become the fan whose smallest triangle is largest; others are
 //! clipped ear by ear (Meisters 1975).
 
+use glam::DVec3;
+
 /// Tests of a point in an ear, for a whole mesh: about a second. Real meshes need a tiny part.
 const MAX_TESTS: u64 = 500_000_000;
 /// Beyond this many corners the fan of a convex polygon starts anywhere.
@@ -27,6 +29,10 @@ pub struct Triangulator {
 /// Twice the area of a triangle, positive if counter-clockwise.
 fn area(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+}
+
+fn length(v: DVec3) -> f64 {
+    v.x.hypot(v.y).hypot(v.z)
 }
 
 impl Triangulator {
@@ -67,42 +73,25 @@ impl Triangulator {
 
     /// Projects the corners onto the plane of the vector area, scaled to size 1. False: no area.
     fn flatten(&mut self, positions: &[[f64; 3]], corners: &[u32]) -> bool {
-        let at = |k: usize| positions[corners[k % corners.len()] as usize];
-        let origin = at(0);
-        let minus = |p: [f64; 3], q: [f64; 3]| [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
-        let far = |m: f64, k: usize| minus(at(k), origin).iter().fold(m, |m, c| m.max(c.abs()));
+        let at = |k: usize| DVec3::from(positions[corners[k % corners.len()] as usize]);
+        let far = |m: f64, k: usize| (at(k) - at(0)).to_array().iter().fold(m, |m, c| m.max(c.abs()));
         let size = (0..corners.len()).fold(0.0, far);
         if size == 0.0 || !size.is_finite() {
             return false;
         }
-        let local = |k: usize| minus(at(k), origin).map(|c| c / size);
-        let mut normal = [0.0; 3];
-        for k in 0..corners.len() {
-            let (p, q) = (local(k), local(k + 1));
-            for (i, n) in normal.iter_mut().enumerate() {
-                let (j, l) = ((i + 1) % 3, (i + 2) % 3);
-                *n += p[j] * q[l] - p[l] * q[j];
-            }
-        }
-        let length = normal[0].hypot(normal[1]).hypot(normal[2]);
-        if length <= 1e-14 {
+        let local = |k: usize| (at(k) - at(0)) / size;
+        let normal = (0..corners.len()).fold(DVec3::ZERO, |sum, k| sum + local(k).cross(local(k + 1)));
+        if length(normal) <= 1e-14 {
             return false;
         }
-        let n = normal.map(|c| c / length);
-        let cross = |p: [f64; 3], q: [f64; 3]| {
-            [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]]
-        };
+        let n = normal / length(normal);
         // The axis that is least along the normal.
         let least = (0..3).fold(0, |k, i| if n[i].abs() < n[k].abs() { i } else { k });
-        let mut axis = [0.0; 3];
-        axis[least] = 1.0;
-        let u = cross(n, axis);
-        let scale = u[0].hypot(u[1]).hypot(u[2]);
-        let u = u.map(|c| c / scale);
-        let v = cross(n, u);
-        let dot = |p: [f64; 3], q: [f64; 3]| p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
+        let u = n.cross(DVec3::AXES[least]);
+        let u = u / length(u);
+        let v = n.cross(u);
         self.flat.clear();
-        self.flat.extend((0..corners.len()).map(|k| [dot(local(k), u), dot(local(k), v)]));
+        self.flat.extend((0..corners.len()).map(|k| [local(k).dot(u), local(k).dot(v)]));
         true
     }
 

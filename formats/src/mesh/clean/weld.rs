@@ -1,5 +1,6 @@
 //! Which vertices are one.
 
+use glam::DVec3;
 use std::collections::HashMap;
 use std::hash::{BuildHasher, RandomState};
 
@@ -119,7 +120,7 @@ fn weld_near(positions: &[[f64; 3]], tolerance: f64, target: &mut [u32]) {
         }
         let p = positions[k];
         let cell = p.map(|c| (c / tolerance).floor() as i64);
-        joined[k] = match nearest(positions, &grid, cell, (p, tolerance)) {
+        joined[k] = match nearest(positions, &grid, cell, p, tolerance) {
             Some(stays) => stays,
             None => {
                 grid.entry(cell).or_default().push(k as u32);
@@ -134,15 +135,17 @@ fn nearest(
     positions: &[[f64; 3]],
     grid: &HashMap<[i64; 3], Vec<u32>>,
     cell: [i64; 3],
-    (p, tolerance): ([f64; 3], f64),
+    p: [f64; 3],
+    tolerance: f64,
 ) -> Option<u32> {
     let mut best: Option<(f64, u32)> = None;
     for shift in 0..27 {
         let step = [shift % 3 - 1, shift / 3 % 3 - 1, shift / 9 - 1];
         let near: [i64; 3] = std::array::from_fn(|i| cell[i].saturating_add(step[i]));
         for &candidate in grid.get(&near).into_iter().flatten() {
-            let q = positions[candidate as usize];
-            let distance = (p[0] - q[0]).hypot(p[1] - q[1]).hypot(p[2] - q[2]);
+            let apart = DVec3::from(p) - DVec3::from(positions[candidate as usize]);
+            // Without overflow, unlike `DVec3::length`.
+            let distance = apart.x.hypot(apart.y).hypot(apart.z);
             if distance <= tolerance && best.is_none_or(|best| (distance, candidate) < best) {
                 best = Some((distance, candidate));
             }

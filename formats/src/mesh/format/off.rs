@@ -2,8 +2,9 @@
 //!
 //! Own reader: `off-rs` rounds to f32 and knows neither normals nor homogeneous coordinates.
 
-use super::text::{Words, ends_early, not_a_number, number, parse, show, words};
-use super::{MAX_COORDINATE, MeshError, MeshFormat, RawMesh};
+use crate::mesh::error::MeshError;
+use crate::mesh::raw::{MAX_COORDINATE, RawMesh};
+use crate::mesh::text::{Words, ends_early, not_a_number, number, parse, show, words};
 
 /// What comes before a vertex' normal, colour and texture coordinates.
 #[derive(Clone, Copy, PartialEq)]
@@ -13,8 +14,14 @@ enum Layout {
     Xyzw,
 }
 
-/// Whether it opens an OFF file.
-pub fn is_keyword(word: &[u8]) -> bool {
+pub const NAME: &str = "OFF";
+
+/// Whether a file's first line begins with the keyword.
+pub fn starts_with_keyword(line: &[u8]) -> bool {
+    words(line).next().is_some_and(is_keyword)
+}
+
+fn is_keyword(word: &[u8]) -> bool {
     let rest = word.strip_prefix(b"ST").unwrap_or(word);
     let rest = rest.strip_prefix(b"C").unwrap_or(rest);
     let rest = rest.strip_prefix(b"N").unwrap_or(rest);
@@ -25,8 +32,8 @@ pub fn is_keyword(word: &[u8]) -> bool {
 
 /// Reads an OFF.
 pub fn read(bytes: &[u8]) -> Result<RawMesh, MeshError> {
-    let mut lines = Lines(Words::new(bytes, MeshFormat::Off));
-    let mut raw = RawMesh::new(MeshFormat::Off);
+    let mut lines = Lines(Words::new(bytes, NAME));
+    let mut raw = RawMesh::new(NAME);
     let (layout, vertices, faces) = header(&mut lines)?;
     lines.0.room_for(vertices, 6, "vertices")?;
     raw.positions.reserve_exact(vertices);
@@ -75,7 +82,7 @@ fn header(lines: &mut Lines) -> Result<(Layout, usize, usize), MeshError> {
         line = line[word.len()..].trim_ascii();
         if line.starts_with(b"BINARY") {
             return Err(MeshError::unsupported(
-                MeshFormat::Off,
+                NAME,
                 "binary OFF",
                 "save the mesh as ASCII OFF or binary PLY",
             ));

@@ -3,9 +3,12 @@
 //! Own reader: `ply-rs-bw` refuses property names that scanners and CloudCompare write, such as
 //! `scalar_C2C[<0.1]`, and takes any element count of a header for true if it has no properties.
 
-use super::binary::{Endian, Scalar, as_count, as_index};
-use super::text::{Words, any_number, ends_early, not_a_number, parse, show};
-use super::{MeshError, MeshFormat, RawMesh};
+use crate::mesh::binary::{Endian, Scalar, as_count, as_index};
+use crate::mesh::error::MeshError;
+use crate::mesh::raw::RawMesh;
+use crate::mesh::text::{Words, any_number, ends_early, not_a_number, parse, show};
+
+pub const NAME: &str = "PLY";
 
 struct Element {
     name: Vec<u8>,
@@ -30,10 +33,10 @@ struct Body<'a> {
 
 /// Reads a PLY: elements `vertex`, `face` and `tristrips`; others are skipped.
 pub fn read(bytes: &[u8]) -> Result<RawMesh, MeshError> {
-    let mut words = Words::new(bytes, MeshFormat::Ply);
+    let mut words = Words::new(bytes, NAME);
     let (binary, elements) = header(&mut words)?;
     let mut body = Body { words, binary };
-    let mut raw = RawMesh::new(MeshFormat::Ply);
+    let mut raw = RawMesh::new(NAME);
     for element in &elements {
         let smallest = element.properties.iter().map(|p| body.smallest(p)).sum();
         let name = show(&element.name);
@@ -68,7 +71,7 @@ fn header(words: &mut Words) -> Result<(Option<Endian>, Vec<Element>), MeshError
         let Some(line) = words.next_line() else {
             return Err(words.bad("the header has no `end_header`; the file was cut or isn't PLY"));
         };
-        let items: Vec<&[u8]> = super::text::words(line).collect();
+        let items: Vec<&[u8]> = crate::mesh::text::words(line).collect();
         let bad = || here.bad(format!("`{}` is not a valid header line", show(line)));
         match items.as_slice() {
             [] | [b"comment" | b"obj_info", ..] => {}
@@ -128,9 +131,7 @@ impl Body<'_> {
     fn bad(&self, problem: impl Into<String>) -> MeshError {
         match self.binary {
             None => self.words.bad(problem),
-            Some(_) => {
-                MeshError::malformed(MeshFormat::Ply, format!("byte {}", self.words.offset()), problem)
-            }
+            Some(_) => MeshError::malformed(NAME, format!("byte {}", self.words.offset()), problem),
         }
     }
 

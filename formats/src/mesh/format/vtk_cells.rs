@@ -3,8 +3,11 @@
 //!
 //! Volume cells contribute their outer boundary: the faces that only one cell has, turned outward.
 
-use super::binary::as_index;
-use super::{MeshError, RawMesh};
+use glam::DVec3;
+
+use crate::mesh::binary::as_index;
+use crate::mesh::error::MeshError;
+use crate::mesh::raw::RawMesh;
 
 const TETRA: &[&[usize]] = &[&[0, 1, 3], &[1, 2, 3], &[2, 0, 3], &[0, 2, 1]];
 const HEXAHEDRON: &[&[usize]] =
@@ -103,19 +106,12 @@ impl Cells {
     /// Files disagree about the orientation of wedges, and some hold mirrored cells: the sign of
     /// the cell's volume decides which side of its faces is outward.
     fn add_volume(&mut self, raw: &RawMesh, faces: &[&[usize]], corners: &[u32]) {
-        let point = |k: usize| raw.positions[corners[k] as usize];
-        let origin = point(0);
-        let relative = |k: usize| {
-            let p = point(k);
-            [p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]]
-        };
+        let point = |k: usize| DVec3::from(raw.positions[corners[k] as usize]);
+        let relative = |k: usize| point(k) - point(0);
         let mut volume = 0.0;
         for face in faces {
             for k in 1..face.len() - 1 {
-                let [a, b, c] = [relative(face[0]), relative(face[k]), relative(face[k + 1])];
-                volume += a[0] * (b[1] * c[2] - b[2] * c[1])
-                    + a[1] * (b[2] * c[0] - b[0] * c[2])
-                    + a[2] * (b[0] * c[1] - b[1] * c[0]);
+                volume += relative(face[0]).dot(relative(face[k]).cross(relative(face[k + 1])));
             }
         }
         for face in faces {

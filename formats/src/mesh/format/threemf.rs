@@ -6,15 +6,18 @@
 use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader, Cursor, Read};
 
+use glam::{DAffine3, DVec3};
 use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
 use zip::ZipArchive;
 
-use super::budget::Budget;
-use super::text::show;
-use super::transform::Affine;
 use super::xml::attribute;
-use super::{MeshError, MeshFormat, RawMesh};
+use crate::mesh::budget::Budget;
+use crate::mesh::error::MeshError;
+use crate::mesh::raw::RawMesh;
+use crate::mesh::text::show;
+
+pub const NAME: &str = "3MF";
 
 /// Components may contain components; no real file goes deeper.
 const MAX_DEPTH: usize = 64;
@@ -42,12 +45,12 @@ struct Reference {
     /// Of another part, if any.
     path: Option<String>,
     object: u64,
-    affine: Affine,
+    affine: DAffine3,
 }
 
 /// Reads the items of the build, or all objects with meshes if nothing is to be built.
 pub fn read(bytes: &[u8]) -> Result<RawMesh, MeshError> {
-    let mut raw = RawMesh::new(MeshFormat::ThreeMf);
+    let mut raw = RawMesh::new(NAME);
     let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(|error| {
         raw.bad("the archive", format!("{error}; the file was cut or isn't 3MF: export it again"))
     })?;
@@ -77,9 +80,9 @@ pub fn read(bytes: &[u8]) -> Result<RawMesh, MeshError> {
                 raw.bad(place, "components contain each other, or there are over a million; export again")
             );
         }
-        add_object(&mut raw, object, &reference.affine, (&mut budget, &place))?;
+        add_object(&mut raw, object, &reference.affine, &mut budget, &place)?;
         for component in object.components.iter().rev() {
-            let affine = reference.affine.after(&component.affine);
+            let affine = reference.affine * component.affine;
             let component = Reference { affine, ..component.clone() };
             todo.push((path.clone(), component, depth + 1));
         }
@@ -92,15 +95,16 @@ pub fn read(bytes: &[u8]) -> Result<RawMesh, MeshError> {
 
 impl Reference {
     fn to(object: u64) -> Reference {
-        Reference { path: None, object, affine: Affine::IDENTITY }
+        Reference { path: None, object, affine: DAffine3::IDENTITY }
     }
 }
 
 fn add_object(
     raw: &mut RawMesh,
     object: &Object,
-    affine: &Affine,
-    (budget, place): (&mut Budget, &str),
+    affine: &DAffine3,
+    budget: &mut Budget,
+    place: &str,
 ) -> Result<(), MeshError> {
     if object.triangles.is_empty() {
         return Ok(());
@@ -113,8 +117,8 @@ fn add_object(
     let Some(first) = u32::try_from(first).ok().filter(|_| first + count < u32::MAX as usize) else {
         return Err(MeshError::TooLarge { problem: "too many vertices; split the build".into() });
     };
-    raw.positions.extend(object.vertices.iter().map(|&p| affine.apply(p)));
-    let mirrored = affine.mirrors();
+    raw.positions.extend(object.vertices.iter().map(|&p| affine.transform_point3(DVec3::from(p)).to_array()));
+    let mirrored = affine.matrix3.determinant() < 0.0;
     for (k, &[a, b, c]) in object.triangles.iter().enumerate() {
         if let Some(bad) = [a, b, c].into_iter().find(|&v| v as usize >= count) {
             return Err(raw.bad(
@@ -129,7 +133,7 @@ fn add_object(
 }
 
 fn bad(place: &str, problem: impl Into<String>) -> MeshError {
-    MeshError::malformed(MeshFormat::ThreeMf, place, problem)
+    MeshError::malformed(NAME, place, problem)
 }
 
 fn entry_name(path: &str) -> String {
@@ -282,13 +286,13 @@ fn unit(tag: &BytesStart, place: &dyn Fn() -> String) -> Result<f64, MeshError> 
 fn reference(tag: &BytesStart, place: &dyn Fn() -> String) -> Result<Reference, MeshError> {
     let object = parse(tag, "objectid", place)?;
     let path = attribute(tag, "path").map(|path| entry_name(&path));
-    let mut affine = Affine::IDENTITY;
+    let mut affine = DAffine3::IDENTITY;
     if let Some(text) = attribute(tag, "transform") {
         let numbers: Vec<f64> = text.split_whitespace().flat_map(str::parse).collect();
         let Ok(m) = <[f64; 12]>::try_from(numbers) else {
             return Err(bad(&place(), "a transform needs 12 numbers; export the file again"));
         };
-        affine = Affine(std::array::from_fn(|i| [m[i], m[3 + i], m[6 + i], m[9 + i]]));
+        affine = DAffine3::from_cols_array(&m);
     }
     Ok(Reference { path, object, affine })
 }

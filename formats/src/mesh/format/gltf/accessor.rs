@@ -7,16 +7,16 @@ use std::path::{Path, PathBuf};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 
-use super::super::binary::{Endian, Scalar, as_index};
-use super::super::budget::Budget;
-use super::super::text::show;
-use super::super::{MeshError, MeshFormat};
 use super::json::{Accessor, Root, SparsePart};
+use crate::mesh::binary::{Endian, Scalar, as_index};
+use crate::mesh::budget::Budget;
+use crate::mesh::error::MeshError;
+use crate::mesh::text::show;
 
 /// The buffers, each read when first needed.
 pub struct Buffers<'a> {
     root: &'a Root,
-    format: MeshFormat,
+    format: &'static str,
     /// The binary chunk of a GLB.
     chunk: Option<&'a [u8]>,
     folder: Option<&'a Path>,
@@ -37,7 +37,7 @@ struct Run {
 impl<'a> Buffers<'a> {
     pub fn new(
         root: &'a Root,
-        format: MeshFormat,
+        format: &'static str,
         chunk: Option<&'a [u8]>,
         folder: Option<&'a Path>,
     ) -> Buffers<'a> {
@@ -91,7 +91,7 @@ impl<'a> Buffers<'a> {
             })?,
             None => vec![0.0; accessor.count * width],
         };
-        self.replace_sparse(accessor, kind, &mut values, (&place, budget))?;
+        self.replace_sparse(accessor, kind, &mut values, &place, budget)?;
         if accessor.normalized {
             let largest = largest(kind);
             values.iter_mut().for_each(|value| *value = (*value / largest).max(-1.0));
@@ -105,7 +105,8 @@ impl<'a> Buffers<'a> {
         accessor: &Accessor,
         kind: Scalar,
         values: &mut [f64],
-        (place, budget): (&str, &mut Budget),
+        place: &str,
+        budget: &mut Budget,
     ) -> Result<(), MeshError> {
         let Some(sparse) = &accessor.sparse else {
             return Ok(());

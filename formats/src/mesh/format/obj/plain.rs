@@ -3,7 +3,7 @@
 //! Whatever is unusual (comments, continued lines, long numbers, errors) is left to the general
 //! reader, which starts the line again: `None`. What is read is the same either way.
 
-use super::super::decimal::{digits, short_decimal};
+use crate::mesh::decimal::{digits, short_decimal};
 
 /// A vertex: what follows the `v`, and where the line ends.
 pub fn vertex(bytes: &[u8]) -> Option<([f64; 3], usize)> {

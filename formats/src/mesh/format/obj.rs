@@ -8,18 +8,25 @@ mod plain;
 use std::borrow::Cow;
 
 use self::plain::vertex_index;
-use super::text::{Words, not_a_number, number, parse, show, words};
-use super::{MeshError, MeshFormat, RawMesh};
+use crate::mesh::error::MeshError;
+use crate::mesh::raw::RawMesh;
+use crate::mesh::text::{Words, not_a_number, number, parse, show, words};
+
+pub const NAME: &str = "OBJ";
+
+/// Whether a line is a vertex: OBJ has no header.
+pub fn looks_so(bytes: &[u8]) -> bool {
+    super::lines(bytes).any(|line| {
+        let mut words = words(line);
+        words.next() == Some(b"v") && words.take(3).all(|word| parse::<f64>(word).is_some())
+    })
+}
 
 /// Reads an OBJ. Materials, normals and texture coordinates are ignored; index ranges are checked.
 pub fn read(bytes: &[u8]) -> Result<RawMesh, MeshError> {
-    let lines = Words::new(bytes, MeshFormat::Obj);
-    let mut reader = Reader {
-        raw: RawMesh::new(MeshFormat::Obj),
-        corners: Vec::new(),
-        highest: (0, lines.clone()),
-        lines,
-    };
+    let lines = Words::new(bytes, NAME);
+    let mut reader =
+        Reader { raw: RawMesh::new(NAME), corners: Vec::new(), highest: (0, lines.clone()), lines };
     while reader.plain_line() || reader.line()? {}
     let Reader { mut raw, highest, .. } = reader;
     let count = raw.positions.len();
@@ -104,7 +111,7 @@ impl<'a> Reader<'a> {
 }
 
 /// A line without its comment, joined with those that a backslash continues it with.
-pub(super) fn logical_line<'a>(lines: &mut Words<'a>) -> Option<Cow<'a, [u8]>> {
+pub fn logical_line<'a>(lines: &mut Words<'a>) -> Option<Cow<'a, [u8]>> {
     let line = lines.next_line()?;
     let Some(start) = line.trim_ascii_end().strip_suffix(b"\\") else {
         return Some(Cow::Borrowed(without_comment(line)));
@@ -129,10 +136,7 @@ fn without_comment(line: &[u8]) -> &[u8] {
 }
 
 /// The first three numbers; a weight or a colour may follow.
-pub(super) fn position<'a>(
-    here: &Words,
-    mut words: impl Iterator<Item = &'a [u8]>,
-) -> Result<[f64; 3], MeshError> {
+pub fn position<'a>(here: &Words, mut words: impl Iterator<Item = &'a [u8]>) -> Result<[f64; 3], MeshError> {
     let mut p = [0.0; 3];
     for c in &mut p {
         let word = words.next().ok_or_else(|| {
@@ -144,7 +148,7 @@ pub(super) fn position<'a>(
 }
 
 /// Corners `v`, `v/vt`, `v//vn` or `v/vt/vn`; v counts from 1, or backwards from -1. Lines have them too.
-pub(super) fn face<'a>(
+pub fn face<'a>(
     here: &Words,
     words: impl Iterator<Item = &'a [u8]>,
     count: usize,

@@ -9,12 +9,16 @@ use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
 
 use self::array::{Decoder, Source};
-use super::binary::as_count;
-use super::budget::Budget;
-use super::sniff::find;
 use super::vtk_cells::{Cells, corners};
 use super::xml::{attribute, line_of};
-use super::{MeshError, MeshFormat, RawMesh};
+use crate::mesh::binary::as_count;
+use crate::mesh::budget::Budget;
+use crate::mesh::error::MeshError;
+use crate::mesh::raw::RawMesh;
+use crate::mesh::text::{find, show};
+
+pub const GRID_NAME: &str = "VTU";
+pub const POLYGONS_NAME: &str = "VTP";
 
 const SURFACE: &str = "extract its surface (in ParaView: Extract Surface, save as .vtp)";
 
@@ -26,8 +30,15 @@ struct Piece {
     arrays: Vec<(String, String, Vec<f64>)>,
 }
 
-/// Reads a VTU or VTP, by what the file says itself.
-pub fn read(bytes: &[u8], format: MeshFormat) -> Result<RawMesh, MeshError> {
+/// Whether a VTK XML file says that it holds polygons. `None`: it isn't VTK XML.
+pub fn holds_polygons(start: &[u8]) -> Option<bool> {
+    let head = &start[..start.len().min(4096)];
+    find(head, b"<VTKFile").filter(|_| head.starts_with(b"<"))?;
+    Some(find(head, b"\"PolyData\"").or(find(head, b"'PolyData'")).is_some())
+}
+
+/// Reads a VTU or VTP, by what the file says itself; errors before that call it `format`.
+pub fn read(bytes: &[u8], format: &'static str) -> Result<RawMesh, MeshError> {
     let mut raw = RawMesh::new(format);
     let (xml, appended) = split_appended(bytes);
     let mut reader = Reader::from_reader(xml);
@@ -138,13 +149,13 @@ fn file_tag(
 ) -> Result<Decoder, MeshError> {
     let kind = attribute(tag, "type").unwrap_or_default();
     raw.format = match kind.as_str() {
-        "PolyData" => MeshFormat::Vtp,
-        "UnstructuredGrid" => MeshFormat::Vtu,
+        "PolyData" => POLYGONS_NAME,
+        "UnstructuredGrid" => GRID_NAME,
         "" => return Err(raw.bad(place(), "VTKFile has no type")),
         _ => {
             return Err(MeshError::unsupported(
                 raw.format,
-                format!("a VTK XML file of type {}", super::text::show(kind.as_bytes())),
+                format!("a VTK XML file of type {}", show(kind.as_bytes())),
                 SURFACE,
             ));
         }
@@ -196,8 +207,16 @@ impl Piece {
                 continue;
             };
             cells += offsets.len();
-            let part = Part { place, section, first, kind };
-            part.add(raw, &mut faces, (&list, &offsets, kinds.as_deref()))?;
+            let part = Part {
+                place,
+                section,
+                first,
+                kind,
+                connectivity: &list,
+                offsets: &offsets,
+                kinds: kinds.as_deref(),
+            };
+            part.add(raw, &mut faces)?;
         }
         if cells != self.cells {
             return Err(raw.bad(
@@ -222,24 +241,26 @@ struct Part<'a> {
     first: u32,
     /// The type of all cells, unless each has its own.
     kind: u8,
+    /// The corners of all cells.
+    connectivity: &'a [f64],
+    /// Where each cell ends in them.
+    offsets: &'a [f64],
+    /// The type of each cell.
+    kinds: Option<&'a [f64]>,
 }
 
 impl Part<'_> {
-    fn add(
-        &self,
-        raw: &mut RawMesh,
-        faces: &mut Cells,
-        (list, offsets, kinds): (&[f64], &[f64], Option<&[f64]>),
-    ) -> Result<(), MeshError> {
+    fn add(&self, raw: &mut RawMesh, faces: &mut Cells) -> Result<(), MeshError> {
         let mut start = 0;
-        for (k, &end) in offsets.iter().enumerate() {
+        for (k, &end) in self.offsets.iter().enumerate() {
             let at = || format!("{}, {}, cell {k} (counted from 0)", (self.place)(), self.section);
-            let cell = as_count(end).filter(|&end| start <= end).and_then(|end| list.get(start..end));
+            let cell =
+                as_count(end).filter(|&end| start <= end).and_then(|end| self.connectivity.get(start..end));
             let Some(cell) = cell else {
                 return Err(raw.bad(at(), "the offsets don't rise within the connectivity; export again"));
             };
             let kind = match self.section {
-                "Cells" => kinds.and_then(|kinds| kinds.get(k).copied()).and_then(as_count),
+                "Cells" => self.kinds.and_then(|kinds| kinds.get(k).copied()).and_then(as_count),
                 _ => Some(usize::from(self.kind)),
             };
             let Some(kind) = kind.and_then(|kind| u8::try_from(kind).ok()) else {

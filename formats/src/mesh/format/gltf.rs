@@ -9,12 +9,18 @@ mod json;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use glam::{DAffine3, DMat4, DQuat, DVec3, DVec4};
+
 use self::accessor::Buffers;
 use self::json::{Asset, Node, Primitive, Root};
-use super::binary::{Endian, Scalar};
-use super::budget::Budget;
-use super::transform::Affine;
-use super::{MeshError, MeshFormat, RawMesh};
+use crate::mesh::binary::{Endian, Scalar};
+use crate::mesh::budget::Budget;
+use crate::mesh::error::MeshError;
+use crate::mesh::raw::RawMesh;
+use crate::mesh::text::{show, without_bom};
+
+pub const NAME: &str = "glTF";
+pub const BINARY_NAME: &str = "GLB";
 
 /// Required extensions that leave positions and indices as they are, by their beginnings.
 /// Quantized positions are read; lights, materials and textures don't matter.
@@ -33,12 +39,10 @@ const HARMLESS: [&str; 10] = [
 
 /// Reads the default scene, or all root nodes if there is no scene. Skins and morph targets are not
 /// applied. Buffers beside the file are looked up in `folder`.
-pub fn read(bytes: &[u8], format: MeshFormat, folder: Option<&Path>) -> Result<RawMesh, MeshError> {
-    let (text, chunk) = if bytes.starts_with(b"glTF") {
-        glb(bytes, format)?
-    } else {
-        (bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes), None)
-    };
+pub fn read(bytes: &[u8], folder: Option<&Path>) -> Result<RawMesh, MeshError> {
+    let is_binary = bytes.starts_with(b"glTF");
+    let format = if is_binary { BINARY_NAME } else { NAME };
+    let (text, chunk) = if is_binary { glb(bytes)? } else { (without_bom(bytes), None) };
     check_asset(text, format)?;
     let root: Root = serde_json::from_slice(text).map_err(|error| json_error(format, &error))?;
     check_extensions(&root, format)?;
@@ -55,11 +59,12 @@ pub fn read(bytes: &[u8], format: MeshFormat, folder: Option<&Path>) -> Result<R
     Ok(raw)
 }
 
-/// Files in the model's folder that hold its buffers, in the file's order, each once. Nothing of a file that can't be read.
+/// Files in the model's folder that hold its buffers, in the file's order, each once.
+/// None of a file that can't be read.
 pub fn buffer_files(bytes: &[u8]) -> Vec<PathBuf> {
     let json = match bytes.starts_with(b"glTF") {
-        true => glb(bytes, MeshFormat::Glb).map_or(&[][..], |(json, _)| json),
-        false => bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes),
+        true => glb(bytes).map_or(&[][..], |(json, _)| json),
+        false => without_bom(bytes),
     };
     let root: Root = serde_json::from_slice(json).unwrap_or_default();
     let mut files = Vec::new();
@@ -71,8 +76,8 @@ pub fn buffer_files(bytes: &[u8]) -> Vec<PathBuf> {
 }
 
 /// The JSON chunk and the binary one.
-fn glb(bytes: &[u8], format: MeshFormat) -> Result<(&[u8], Option<&[u8]>), MeshError> {
-    let bad = |at: usize, problem: &str| MeshError::malformed(format, format!("byte {at}"), problem);
+fn glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), MeshError> {
+    let bad = |at: usize, problem: &str| MeshError::malformed(BINARY_NAME, format!("byte {at}"), problem);
     let word = |at: usize| {
         let word = bytes.get(at..at + 4);
         word.map(|w| Scalar::U32.read(w, Endian::Little) as usize)
@@ -80,7 +85,7 @@ fn glb(bytes: &[u8], format: MeshFormat) -> Result<(&[u8], Option<&[u8]>), MeshE
     };
     if word(4)? != 2 {
         return Err(MeshError::unsupported(
-            format,
+            BINARY_NAME,
             format!("version {}", word(4)?),
             "export the model as glTF 2.0",
         ));
@@ -105,7 +110,7 @@ fn glb(bytes: &[u8], format: MeshFormat) -> Result<(&[u8], Option<&[u8]>), MeshE
     }
 }
 
-fn json_error(format: MeshFormat, error: &serde_json::Error) -> MeshError {
+fn json_error(format: &'static str, error: &serde_json::Error) -> MeshError {
     MeshError::malformed(
         format,
         format!("line {}, column {}", error.line(), error.column()),
@@ -113,7 +118,7 @@ fn json_error(format: MeshFormat, error: &serde_json::Error) -> MeshError {
     )
 }
 
-fn check_asset(text: &[u8], format: MeshFormat) -> Result<(), MeshError> {
+fn check_asset(text: &[u8], format: &'static str) -> Result<(), MeshError> {
     let head: Asset = serde_json::from_slice(text).map_err(|error| json_error(format, &error))?;
     let version = head.asset.map(|asset| match asset.version {
         serde_json::Value::String(text) => text,
@@ -124,19 +129,19 @@ fn check_asset(text: &[u8], format: MeshFormat) -> Result<(), MeshError> {
         Some(version) if version.starts_with("2.") => Ok(()),
         Some(version) => Err(MeshError::unsupported(
             format,
-            format!("version {}", super::text::show(version.as_bytes())),
+            format!("version {}", show(version.as_bytes())),
             "export the model as glTF 2.0",
         )),
         None => Err(MeshError::malformed(format, "line 1", "there is no `asset`: it isn't a glTF 2.0 file")),
     }
 }
 
-fn check_extensions(root: &Root, format: MeshFormat) -> Result<(), MeshError> {
+fn check_extensions(root: &Root, format: &'static str) -> Result<(), MeshError> {
     let strange = |name: &&String| !HARMLESS.iter().any(|harmless| name.starts_with(harmless));
     match root.extensions_required.iter().find(strange) {
         Some(name) => Err(MeshError::unsupported(
             format,
-            format!("the required extension {}", super::text::show(name.as_bytes())),
+            format!("the required extension {}", show(name.as_bytes())),
             "export the model without it (without compression or instancing)",
         )),
         None => Ok(()),
@@ -144,15 +149,15 @@ fn check_extensions(root: &Root, format: MeshFormat) -> Result<(), MeshError> {
 }
 
 /// All meshes of the scene, with their transforms, parents before children.
-fn instances(root: &Root, raw: &RawMesh) -> Result<Vec<(usize, Affine)>, MeshError> {
+fn instances(root: &Root, raw: &RawMesh) -> Result<Vec<(usize, DAffine3)>, MeshError> {
     let mut found = Vec::new();
     if root.nodes.is_empty() && root.scenes.is_empty() {
-        return Ok((0..root.meshes.len()).map(|mesh| (mesh, Affine::IDENTITY)).collect());
+        return Ok((0..root.meshes.len()).map(|mesh| (mesh, DAffine3::IDENTITY)).collect());
     }
     let mut visited = vec![false; root.nodes.len()];
-    let mut stack: Vec<(usize, Affine)> = Vec::new();
+    let mut stack: Vec<(usize, DAffine3)> = Vec::new();
     let tops = top_nodes(root, raw)?;
-    stack.extend(tops.into_iter().rev().map(|node| (node, Affine::IDENTITY)));
+    stack.extend(tops.into_iter().rev().map(|node| (node, DAffine3::IDENTITY)));
     while let Some((index, parent)) = stack.pop() {
         let place = || format!("node {index}");
         let Some(node) = root.nodes.get(index) else {
@@ -165,7 +170,7 @@ fn instances(root: &Root, raw: &RawMesh) -> Result<Vec<(usize, Affine)>, MeshErr
                  file again",
             ));
         }
-        let affine = parent.after(&local(node, raw, &place)?);
+        let affine = parent * local(node, raw, &place)?;
         found.extend(node.mesh.map(|mesh| (mesh, affine)));
         stack.extend(node.children.iter().rev().map(|&child| (child, affine)));
     }
@@ -188,25 +193,42 @@ fn top_nodes(root: &Root, raw: &RawMesh) -> Result<Vec<usize>, MeshError> {
 }
 
 /// A matrix (column by column), or translation * rotation * scale.
-fn local(node: &Node, raw: &RawMesh, place: &dyn Fn() -> String) -> Result<Affine, MeshError> {
+fn local(node: &Node, raw: &RawMesh, place: &dyn Fn() -> String) -> Result<DAffine3, MeshError> {
     if let Some(m) = &node.matrix {
-        let affine = Affine(std::array::from_fn(|i| [m[i], m[4 + i], m[8 + i], m[12 + i]]));
-        return Ok(affine);
+        return Ok(DAffine3::from_mat4(DMat4::from_cols_array(m)));
     }
-    let t = node.translation.unwrap_or([0.0; 3]);
-    let s = node.scale.unwrap_or([1.0; 3]);
-    let q = node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]);
-    let length = q.iter().map(|c| c * c).sum::<f64>().sqrt();
+    let translation = DVec3::from(node.translation.unwrap_or([0.0; 3]));
+    let scale = DVec3::from(node.scale.unwrap_or([1.0; 3]));
+    let quaternion = DVec4::from(node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]));
+    let length = quaternion.length();
     if !(length > 0.0 && length.is_finite()) {
         return Err(raw.bad(place(), "the rotation is not a quaternion; export the file again"));
     }
-    let [x, y, z, w] = q.map(|c| c / length);
-    let r = [
-        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)],
-        [2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)],
-        [2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)],
-    ];
-    Ok(Affine(std::array::from_fn(|i| [r[i][0] * s[0], r[i][1] * s[1], r[i][2] * s[2], t[i]])))
+    let rotation = DQuat::from_vec4(quaternion / length);
+    Ok(DAffine3::from_scale_rotation_translation(scale, rotation, translation))
+}
+
+/// A mesh where a node of the scene puts it.
+struct Instance<'a> {
+    affine: &'a DAffine3,
+    /// Those of each accessor that was read: primitives with different materials often share their vertices.
+    vertices: BTreeMap<usize, Vertices>,
+}
+
+/// A range of the mesh's vertices.
+#[derive(Clone, Copy)]
+struct Vertices {
+    first: u32,
+    count: u32,
+}
+
+impl Vertices {
+    fn add(raw: &mut RawMesh, positions: Vec<[f64; 3]>, affine: &DAffine3) -> Vertices {
+        let narrow = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
+        let added = Vertices { first: narrow(raw.positions.len()), count: narrow(positions.len()) };
+        raw.positions.extend(positions.into_iter().map(|p| affine.transform_point3(p.into()).to_array()));
+        added
+    }
 }
 
 struct Scene<'a> {
@@ -216,19 +238,18 @@ struct Scene<'a> {
 }
 
 impl Scene<'_> {
-    fn add_mesh(&mut self, raw: &mut RawMesh, mesh: usize, affine: &Affine) -> Result<(), MeshError> {
+    fn add_mesh(&mut self, raw: &mut RawMesh, mesh: usize, affine: &DAffine3) -> Result<(), MeshError> {
         let Some(primitives) = self.root.meshes.get(mesh).map(|mesh| &mesh.primitives) else {
             return Err(raw.bad(format!("mesh {mesh}"), "there is no such mesh; export again"));
         };
         raw.objects += 1;
-        // Primitives with different materials often share their vertices.
-        let mut shared: BTreeMap<usize, (u32, u32)> = BTreeMap::new();
+        let mut instance = Instance { affine, vertices: BTreeMap::new() };
         for (k, primitive) in primitives.iter().enumerate() {
             let place = format!("mesh {mesh}, primitive {k}");
             match primitive.mode {
                 0 => raw.skipped.points += 1,
                 1..=3 => raw.skipped.lines += 1,
-                4..=6 => self.add_primitive(raw, primitive, affine, (&mut shared, &place))?,
+                4..=6 => self.add_primitive(raw, primitive, &mut instance, &place)?,
                 mode => return Err(raw.bad(place, format!("there is no primitive mode {mode}"))),
             }
         }
@@ -239,23 +260,19 @@ impl Scene<'_> {
         &mut self,
         raw: &mut RawMesh,
         primitive: &Primitive,
-        affine: &Affine,
-        (shared, place): (&mut BTreeMap<usize, (u32, u32)>, &str),
+        instance: &mut Instance,
+        place: &str,
     ) -> Result<(), MeshError> {
         let Some(&accessor) = primitive.attributes.get("POSITION") else {
             raw.skipped.other += 1;
             return Ok(());
         };
-        let (first, count) = match shared.get(&accessor) {
+        let Vertices { first, count } = match instance.vertices.get(&accessor) {
             Some(&known) => known,
             None => {
                 let positions = self.buffers.positions(accessor, &mut self.budget)?;
-                let first = raw.positions.len();
-                raw.positions.extend(positions.into_iter().map(|p| affine.apply(p)));
-                let narrow = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
-                let added = (narrow(first), narrow(raw.positions.len() - first));
-                shared.insert(accessor, added);
-                added
+                let added = Vertices::add(raw, positions, instance.affine);
+                *instance.vertices.entry(accessor).or_insert(added)
             }
         };
         let indices = match primitive.indices {
@@ -278,7 +295,8 @@ impl Scene<'_> {
             return Err(MeshError::TooLarge { problem: "the scene has too many vertices; split it".into() });
         }
         self.budget.take(3 * indices.len(), 20, "the scene")?;
-        add_triangles(raw, primitive.mode, first, &indices, affine.mirrors());
+        let mirrored = instance.affine.matrix3.determinant() < 0.0;
+        add_triangles(raw, primitive.mode, first, &indices, mirrored);
         Ok(())
     }
 }

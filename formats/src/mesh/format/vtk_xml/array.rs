@@ -11,10 +11,11 @@ use base64::Engine;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use flate2::read::ZlibDecoder;
 
-use super::super::binary::{Endian, Scalar};
-use super::super::budget::Budget;
-use super::super::text::{any_number, not_a_number, words};
-use super::super::{MeshError, RawMesh};
+use crate::mesh::binary::{Endian, Scalar};
+use crate::mesh::budget::Budget;
+use crate::mesh::error::MeshError;
+use crate::mesh::raw::RawMesh;
+use crate::mesh::text::{any_number, not_a_number, words};
 
 const BASE64: GeneralPurpose = GeneralPurpose::new(
     &base64::alphabet::STANDARD,

@@ -3,10 +3,13 @@
 //! Own reader: `stl_io` takes an ASCII file whose first line is only `solid` for a binary one, and
 //! rounds ASCII numbers to f32.
 
-use super::binary::{Endian, Scalar};
-use super::sniff::find;
-use super::text::{Words, show};
-use super::{MeshError, MeshFormat, RawMesh};
+use crate::mesh::binary::{Endian, Scalar};
+use crate::mesh::error::MeshError;
+use crate::mesh::raw::RawMesh;
+use crate::mesh::text::find;
+use crate::mesh::text::{Words, show};
+
+pub const NAME: &str = "STL";
 
 /// 80 free bytes and the number of triangles.
 const HEADER: usize = 84;
@@ -38,7 +41,7 @@ pub fn looks_ascii(bytes: &[u8]) -> bool {
 }
 
 fn read_binary(bytes: &[u8]) -> Result<RawMesh, MeshError> {
-    let mut raw = RawMesh::new(MeshFormat::Stl);
+    let mut raw = RawMesh::new(NAME);
     raw.objects = 1;
     if bytes.len() < HEADER {
         return Err(raw.bad(
@@ -80,8 +83,8 @@ fn vertex_number(raw: &RawMesh, k: usize) -> Result<u32, MeshError> {
 }
 
 fn read_ascii(bytes: &[u8]) -> Result<RawMesh, MeshError> {
-    let mut words = Words::new(bytes, MeshFormat::Stl);
-    let mut raw = RawMesh::new(MeshFormat::Stl);
+    let mut words = Words::new(bytes, NAME);
+    let mut raw = RawMesh::new(NAME);
     // Inside `outer loop`: its first vertex.
     let mut open: Option<usize> = None;
     let mut in_solid = false;

@@ -2,10 +2,13 @@
 //!
 //! Own reader: `vtkio` panics on damaged files and builds a C library for compression.
 
-use super::binary::{Endian, Scalar, as_count};
-use super::text::{Words, ends_early, not_a_number, show, words};
 use super::vtk_cells::{Cells, corners};
-use super::{MeshError, MeshFormat, RawMesh};
+use crate::mesh::binary::{Endian, Scalar, as_count};
+use crate::mesh::error::MeshError;
+use crate::mesh::raw::RawMesh;
+use crate::mesh::text::{Words, ends_early, not_a_number, show, words};
+
+pub const NAME: &str = "VTK";
 
 const SURFACE: &str = "extract its surface (in ParaView: Extract Surface, save as .vtp)";
 
@@ -24,7 +27,7 @@ struct Lists {
 /// Reads a data set of type POLYDATA or UNSTRUCTURED_GRID.
 pub fn read(bytes: &[u8]) -> Result<RawMesh, MeshError> {
     let mut file = header(bytes)?;
-    let mut raw = RawMesh::new(MeshFormat::Vtk);
+    let mut raw = RawMesh::new(NAME);
     raw.objects = 1;
     let mut cells = Lists::default();
     let mut kinds = Vec::new();
@@ -96,7 +99,7 @@ impl Lists {
 }
 
 fn header(bytes: &[u8]) -> Result<File<'_>, MeshError> {
-    let mut words = Words::new(bytes, MeshFormat::Vtk);
+    let mut words = Words::new(bytes, NAME);
     let magic = words.next_line().unwrap_or_default();
     if !magic.starts_with(b"# vtk DataFile") {
         return Err(words.bad("a VTK file starts with `# vtk DataFile Version`"));
@@ -117,7 +120,7 @@ fn dataset_kind(file: &mut File) -> Result<(), MeshError> {
     match kind.as_slice() {
         b"POLYDATA" | b"UNSTRUCTURED_GRID" => Ok(()),
         b"STRUCTURED_GRID" | b"STRUCTURED_POINTS" | b"RECTILINEAR_GRID" | b"FIELD" => {
-            Err(MeshError::unsupported(MeshFormat::Vtk, format!("data set {}", show(&kind)), SURFACE))
+            Err(MeshError::unsupported(NAME, format!("data set {}", show(&kind)), SURFACE))
         }
         _ => Err(file.words.bad(format!("`{}` is not a type of data set", show(&kind)))),
     }
@@ -157,7 +160,7 @@ impl File<'_> {
         }
         for _ in 0..count {
             let word = self.words.word(what)?;
-            let value = super::text::any_number(word);
+            let value = crate::mesh::text::any_number(word);
             values.push(value.ok_or_else(|| self.words.bad(not_a_number(word, what)))?);
         }
         Ok(values)
