@@ -2,8 +2,8 @@
 
 use std::path::Path;
 use volmap_runtime::DVec3;
-use volmap_solver::output::Frame;
-use volmap_solver::output::particles::{self, ParticleFormat};
+use volmap_scenes::output::Frame;
+use volmap_scenes::output::particles::{self, ParticleFormat};
 use volmap_tests::python;
 
 use crate::interop_asset::run;

@@ -22,7 +22,7 @@ with tempfile.TemporaryDirectory() as folder:
         ("Against SPlisHSPlasH", [sys.executable, benches / "compare_splishsplash.py", "--python", args.python]),
         ("Table 1 of Bender et al. 2020", [sim, "reproduce", "table1", "-o", folder]),
         ("How it scales", [sys.executable, benches / "scaling.py", "--steps", "12"]),
-        ("Pictures and files", ["cargo", "bench", "-p", "volmap-solver", "--bench", "output"]),
+        ("Pictures and files", ["cargo", "bench", "-p", "volmap-scenes", "--bench", "output"]),
     ]:
         print(f"\n{title}\n", flush=True)
         subprocess.run(command, cwd=ROOT, check=True)

@@ -8,7 +8,7 @@ use args::{Arguments, Command};
 use clap::Parser;
 use std::io;
 use std::process::ExitCode;
-use volmap_solver::{reproduce, validation};
+use volmap_experiments::{reproduce, validation};
 
 fn main() -> ExitCode {
     match run(&Arguments::parse().command) {

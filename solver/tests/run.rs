@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::Duration;
 use tempfile::TempDir;
-use volmap_solver::session::{RunSettings, Session};
+use volmap_scenes::session::{RunSettings, Session};
 
 /// Water and a jet in a tank of 1 m, with a cube that floats; two blocks overlap.
 const SCENE: &str = r#"

@@ -4,7 +4,7 @@ use super::info::print;
 use crate::args::SceneArguments;
 use anyhow::Result;
 use std::path::Path;
-use volmap_solver::scene;
+use volmap_scenes::scene;
 
 /// Tells whether a scene can run.
 pub fn run_check(arguments: &SceneArguments) -> Result<()> {

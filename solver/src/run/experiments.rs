@@ -7,7 +7,7 @@ use std::fs;
 use std::io::{self, Write};
 use std::path::Path;
 use std::time::Instant;
-use volmap_solver::validation::{Experiment, Outcome, Run, table};
+use volmap_experiments::validation::{Experiment, Outcome, Run, table};
 
 /// Experiments, and the file of their figures.
 pub type Set = (&'static [Experiment], &'static str);

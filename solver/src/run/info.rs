@@ -3,7 +3,7 @@
 use crate::args::SceneArguments;
 use anyhow::Result;
 use std::io::{self, Write};
-use volmap_solver::scene::{self, Summary};
+use volmap_scenes::scene::{self, Summary};
 
 /// Tells what is in a scene.
 pub fn run_info(arguments: &SceneArguments) -> Result<()> {

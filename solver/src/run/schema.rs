@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use std::io::{self, Write};
-use volmap_solver::scene::Scene;
+use volmap_scenes::scene::Scene;
 
 /// Prints the JSON Schema of scenes.
 pub fn run_schema() -> Result<()> {

@@ -8,9 +8,9 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
-use volmap_baker::summary::thousands;
-use volmap_solver::output::statistics::Summary;
-use volmap_solver::session::{Progress, RunSettings, Session};
+use volmap_bake::summary::thousands;
+use volmap_scenes::output::statistics::Summary;
+use volmap_scenes::session::{Progress, RunSettings, Session};
 
 /// Simulates a scene.
 pub fn run_simulate(arguments: &RunArguments) -> Result<()> {

@@ -1,0 +1,235 @@
+//! The boundary methods that are compared, and the simulations in which they are.
+
+use crate::validation::flow::GRAVITY;
+use volmap_bake::density_map::DensitySettings;
+use volmap_bake::plan::{GridChoice, Settings};
+use volmap_fluid::Error;
+use volmap_fluid::bodies::{Bodies, BodyDescription};
+use volmap_fluid::boundary::volume_map::cell_size;
+use volmap_fluid::boundary::{Boundary, Wall, density_map};
+use volmap_fluid::particles::Particles;
+use volmap_fluid::settings::{
+    BoundaryMethod, BoundaryPressure, BoundarySampling, FluidSettings, SolverSettings, World,
+};
+use volmap_fluid::shapes::{Shape, baked_by};
+use volmap_fluid::simulation::{Setup, Simulation, StepReport};
+use volmap_formats::mesh::TriangleMesh;
+use volmap_runtime::{ClosureKind, DVec3, KernelKind};
+
+/// How the fluid sees bodies, and what pressure they have.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Method {
+    /// How bodies are seen.
+    pub boundary: BoundaryMethod,
+    /// Of boundary particles.
+    pub sampling: BoundarySampling,
+    /// Of volume maps.
+    pub closure: ClosureKind,
+    /// The boundary's pressure.
+    pub pressure: BoundaryPressure,
+}
+
+/// All pressures at the boundary.
+pub const PRESSURES: [BoundaryPressure; 4] =
+    [BoundaryPressure::Own, BoundaryPressure::Mirror, BoundaryPressure::Sph, BoundaryPressure::Mls];
+
+/// Fluid begins so many rp from walls, where no method throws it off: it rests at 2 rp from boundary particles.
+pub const CLEARANCE: f64 = 1.9;
+
+/// What a simulation consists of, but for the method.
+#[derive(Clone, Debug, Default)]
+pub struct Scenery {
+    /// Particle radius rp, metres; the support radius is 4 rp.
+    pub radius: f64,
+    /// Where the fluid begins, at rest.
+    pub places: Vec<DVec3>,
+    /// What it touches.
+    pub bodies: Vec<BodyDescription>,
+    /// The fluid.
+    pub fluid: FluidSettings,
+    /// The solver; its boundary pressure is the method's.
+    pub solver: SolverSettings,
+}
+
+impl Method {
+    /// Volume maps with a closure.
+    pub const fn maps(closure: ClosureKind, pressure: BoundaryPressure) -> Method {
+        Method { closure, ..Method::of(BoundaryMethod::VolumeMap, pressure) }
+    }
+
+    /// Any other.
+    pub const fn of(boundary: BoundaryMethod, pressure: BoundaryPressure) -> Method {
+        Method { boundary, sampling: BoundarySampling::Even, closure: ClosureKind::Mirror, pressure }
+    }
+
+    /// Boundary particles as blue noise.
+    pub const fn blue_noise(pressure: BoundaryPressure) -> Method {
+        let even = Method::of(BoundaryMethod::Particles, pressure);
+        Method { sampling: BoundarySampling::BlueNoise, ..even }
+    }
+
+    /// How bodies are seen, in words.
+    pub fn view(&self) -> String {
+        match self.boundary {
+            BoundaryMethod::VolumeMap => format!("volume map, {}", self.closure),
+            BoundaryMethod::DensityMap => "density map".into(),
+            BoundaryMethod::Particles => match self.sampling {
+                BoundarySampling::Even => "particles".into(),
+                BoundarySampling::BlueNoise => "particles, blue noise".into(),
+            },
+            BoundaryMethod::TubeMap => "tube map".into(),
+        }
+    }
+
+    /// All of it in words.
+    pub fn name(&self) -> String {
+        format!("{}, {}", self.view(), pressure_name(self.pressure))
+    }
+
+    fn world(&self, radius: f64) -> World {
+        World {
+            particle_radius: radius,
+            support_radius: 4.0 * radius,
+            boundary: self.boundary,
+            sampling: self.sampling,
+            closure: self.closure,
+            gravity: DVec3::new(0.0, -GRAVITY, 0.0),
+            ..World::default()
+        }
+    }
+
+    /// What the baker is told for a body, as scenes do.
+    pub fn baking(&self, support_radius: f64, container: bool) -> Settings {
+        let closure = self.world(0.25 * support_radius).map_closure();
+        let density = DensitySettings { extension: density_map::EXTENSION, ..DensitySettings::default() };
+        Settings {
+            support_radius: Some(closure.map_radius(support_radius)),
+            grid: GridChoice::CellSize(cell_size(closure, support_radius)),
+            invert: container,
+            density: (self.boundary == BoundaryMethod::DensityMap).then_some(DensitySettings {
+                kernel: density_map::smoothing(KernelKind::CubicSpline).unwrap_or_default(),
+                ..density
+            }),
+            ..Settings::default()
+        }
+    }
+
+    /// A mesh with the map that the method takes for particles of this radius (metres).
+    ///
+    /// # Errors
+    /// As [`baked_by`].
+    pub fn shape(&self, mesh: TriangleMesh, radius: f64, container: bool) -> Result<Shape, Error> {
+        baked_by(mesh, self.baking(4.0 * radius, container))
+    }
+
+    /// What particles at these places see of bodies, all lengths in metres.
+    ///
+    /// # Errors
+    /// As [`Boundary::new`].
+    pub fn walls(
+        &self,
+        radius: f64,
+        bodies: Vec<BodyDescription>,
+        places: &[DVec3],
+    ) -> Result<Vec<Wall>, Error> {
+        let world = self.world(radius);
+        let bodies = Bodies::new(bodies, world.gravity)?;
+        let mut boundary = Boundary::new(&world, &FluidSettings::default(), &bodies)?;
+        boundary.sample_alone(&bodies, places);
+        Ok(boundary.of_particle)
+    }
+
+    /// What a simulation by this method begins with, but for the particles; their radius in metres.
+    ///
+    /// # Errors
+    /// As [`Bodies::new`].
+    pub fn setup(
+        &self,
+        radius: f64,
+        fluid: FluidSettings,
+        solver: SolverSettings,
+        bodies: Vec<BodyDescription>,
+    ) -> Result<Setup, Error> {
+        let world = self.world(radius);
+        Ok(Setup {
+            bodies: Bodies::new(bodies, world.gravity)?,
+            world,
+            fluid,
+            solver: SolverSettings { boundary_pressure: self.pressure, ..solver },
+            particles: Particles::default(),
+            emitters: Vec::new(),
+            domain: None,
+        })
+    }
+
+    /// A simulation by this method.
+    ///
+    /// # Errors
+    /// As [`Simulation::new`].
+    pub fn simulation(&self, scenery: &Scenery) -> Result<Simulation, Error> {
+        let Scenery { radius, places, bodies, fluid, solver } = scenery;
+        let mut setup = self.setup(*radius, fluid.clone(), solver.clone(), bodies.clone())?;
+        setup.particles.add(places, &vec![[0.0; 3]; places.len()]);
+        Simulation::new(setup)
+    }
+}
+
+/// A pressure's name in scenes.
+pub fn pressure_name(pressure: BoundaryPressure) -> &'static str {
+    match pressure {
+        BoundaryPressure::Own => "own",
+        BoundaryPressure::Mirror => "mirror",
+        BoundaryPressure::Sph => "sph",
+        BoundaryPressure::Mls => "mls",
+    }
+}
+
+/// A solver whose steps have one length, seconds.
+pub fn fixed_step(solver: SolverSettings, dt: f64) -> SolverSettings {
+    let mut solver = solver;
+    solver.time_step.initial = dt;
+    solver.time_step.adaptive = false;
+    solver
+}
+
+/// Simulates until a time (seconds), shows every step to `look`, and returns when it stopped being a fluid, if it did.
+///
+/// # Errors
+/// Others of [`Simulation::step`].
+pub fn survives(
+    simulation: &mut Simulation,
+    time: f64,
+    look: &mut dyn FnMut(&Simulation, &StepReport),
+) -> Result<Option<f64>, Error> {
+    while simulation.time() < time - 1e-9 {
+        match simulation.step() {
+            Ok(report) => look(simulation, &report),
+            Err(Error::Simulation { time, .. }) => return Ok(Some(time)),
+            Err(other) => return Err(other),
+        }
+    }
+    Ok(None)
+}
+
+/// The last of increasing steps up to which all are stable; 0 if the first isn't.
+///
+/// # Errors
+/// Those of `is_stable`.
+pub fn largest_step(
+    steps: impl IntoIterator<Item = f64>,
+    mut is_stable: impl FnMut(f64) -> Result<bool, Error>,
+) -> Result<f64, Error> {
+    let mut largest = 0.0;
+    for step in steps {
+        if !is_stable(step)? {
+            break;
+        }
+        largest = step;
+    }
+    Ok(largest)
+}
+
+/// The value in the middle; NaN of none.
+pub fn median(values: &[f64]) -> f64 {
+    volmap_fluid::observe::percentile(values, 0.5)
+}

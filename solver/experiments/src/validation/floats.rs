@@ -1,0 +1,240 @@
+//! Balls and boxes in water: Archimedes. A floating body displaces its weight of water; one that is held under
+//! water is pushed up by the weight of what it displaces.
+
+use super::flow::{GRAVITY, lattice, volume_below, water};
+use super::{Experiment, Outcome, Row, Run, chart, curve};
+use volmap_figures::picture::colours::DISTINCT;
+use volmap_fluid::Error;
+use volmap_fluid::bodies::{BodyDescription, FreeBody, Motion, Weight};
+use volmap_fluid::observe::{line, until};
+use volmap_fluid::shapes::{Shape, baked, ball, cuboid};
+use volmap_fluid::simulation::Simulation;
+use volmap_runtime::{DVec3, Pose, VolumeMap};
+
+/// It.
+pub const EXPERIMENT: Experiment = Experiment {
+    name: "floats",
+    title: "Archimedes",
+    about: "A ball and a box held under water, and floating at densities of 250 to 750 kg/m^3",
+    run,
+};
+
+/// Half the tank's width, and the water's depth without a body, metres.
+const HALF_WIDTH: f64 = 0.4;
+const DEPTH: f64 = 0.6;
+const RHO: f64 = 1000.0;
+
+fn run(run: &Run) -> Result<Outcome, Error> {
+    let mut outcome = Outcome::default();
+    let radius = run.pick(0.02, 0.04 / 3.0);
+    let support = 4.0 * radius;
+    let tank = Tank { shape: baked(hollow(), support, true)?, radius };
+    let ball = baked(ball(0.16, 5), support, false)?;
+    let cube = baked(cube(), support, false)?;
+    let all: [(&str, &Shape); 2] = [("ball", &ball), ("box", &cube)];
+    let held = &all[..run.pick(1, 2)];
+    for (name, shape) in held {
+        (run.progress)(&format!("floats: {name} held under water"));
+        held_under_water(run, &mut outcome, &tank, (name, shape))?;
+    }
+    let mut curves = Vec::new();
+    let densities: &[f64] = run.pick(&[500.0], &[250.0, 500.0, 750.0]);
+    for (name, shape) in held {
+        for &density in densities {
+            (run.progress)(&format!("floats: {name} of {density} kg/m^3"));
+            let colour = DISTINCT[curves.len() % DISTINCT.len()];
+            let points = floating(run, &mut outcome, &tank, (name, shape, density))?;
+            curves.push(curve(format!("{name}, {density}"), colour, points));
+        }
+    }
+    let axes = [["Time", "s"], ["Submerged part over that of Archimedes", ""]];
+    outcome.chart("floats.png", chart("Floating bodies", axes[0], axes[1], curves));
+    outcome.notes.push(NOTE.into());
+    Ok(outcome)
+}
+
+const NOTE: &str = "The water level is where the water would stand at rest density; that of the pressure is where p / (rho g) + y says, \
+                    by particles that are far from body, walls, floor and surface; the highest particles lie some rp/2 lower. \
+                    Means over the last half of each run. Particles begin up to 0.3 rp off the lattice, on which water at \
+                    rest is a crystal, that may carry a body.";
+
+fn cube() -> volmap_formats::mesh::TriangleMesh {
+    cuboid(DVec3::splat(-0.14), DVec3::splat(0.14))
+}
+
+fn hollow() -> volmap_formats::mesh::TriangleMesh {
+    cuboid(DVec3::new(-HALF_WIDTH, 0.0, -HALF_WIDTH), DVec3::new(HALF_WIDTH, 1.2, HALF_WIDTH))
+}
+
+struct Tank {
+    shape: Shape,
+    /// Of the particles, metres.
+    radius: f64,
+}
+
+impl Tank {
+    /// Water with a body in it; free bodies only.
+    fn with(&self, body: BodyDescription) -> Result<Simulation, Error> {
+        let (size, radius) = (DVec3::new(HALF_WIDTH, DEPTH, HALF_WIDTH), self.radius);
+        let clear = |map: &VolumeMap, x: DVec3| map.values(x).distance > 0.9 * radius;
+        let mut places = lattice(DVec3::new(-size.x, 0.0, -size.z), size, radius);
+        places.retain(|&x| clear(&body.map, body.pose.to_map(x)));
+        disturb(&mut places, radius);
+        let tank = self.shape.body("tank", DVec3::ZERO, Motion::Static);
+        water(radius, &places, 0.01, vec![tank, body])
+    }
+}
+
+/// Moves every particle by up to 0.3 rp along each axis, at random.
+fn disturb(places: &mut [DVec3], radius: f64) {
+    let mut state = 1u64;
+    let mut random = || {
+        // Knuth's MMIX.
+        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (state >> 33) as f64 / f64::from(1u32 << 30) - 1.0
+    };
+    for place in places {
+        *place += 0.3 * radius * DVec3::new(random(), random(), random());
+    }
+}
+
+/// Free, and fixed on the chosen axes.
+fn free(density: f64, locked: bool) -> Motion {
+    Motion::Free(FreeBody {
+        weight: Weight::Density(density),
+        locked_translation: [locked; 3],
+        locked_rotation: [locked; 3],
+        ..FreeBody::default()
+    })
+}
+
+/// The force on a body that can't move, over the weight of the water that it displaces.
+fn held_under_water(
+    run: &Run,
+    outcome: &mut Outcome,
+    tank: &Tank,
+    (name, shape): (&str, &Shape),
+) -> Result<(), Error> {
+    let end = run.pick(2.0, 3.0);
+    let body = shape.body(name, DVec3::new(0.0, 0.3, 0.0), free(RHO, true));
+    let displaced = RHO * GRAVITY * volume_below(&shape.mesh, body.pose, 9.0);
+    let mut simulation = tank.with(body)?;
+    let (mut push, mut time) = (DVec3::ZERO, 0.0);
+    until(&mut simulation, end, &mut |simulation, report| {
+        if simulation.time() > 0.5 * end {
+            push += report.dt * simulation.body_forces()[1][0];
+            time += report.dt;
+        }
+    })?;
+    let push = push / time / displaced;
+    let case = format!("{name}, held");
+    outcome.rows.push(Row::new(&case, "lift over weight of displaced water", "", push.y).between(0.97, 1.03));
+    outcome
+        .rows
+        .push(Row::new(&case, "force sideways over the same", "", push.x.hypot(push.z)).at_most(0.02));
+    outcome.rows.push(Row::new(&case, "slope of pressure over rho g", "", -pressure_line(&simulation)[1]));
+    outcome.rows.push(Row::new(
+        &case,
+        "water's density by counting, over rho_0",
+        "",
+        counted_density(&simulation),
+    ));
+    Ok(())
+}
+
+/// Radius of the particles, which are cubes of the lattice, metres.
+fn radius(simulation: &Simulation) -> f64 {
+    0.5 * simulation.particle_volume().cbrt()
+}
+
+/// Offset (metres) and slope, about -1, of p / (rho g) over y, of particles far from body, walls, floor and surface.
+fn pressure_line(simulation: &Simulation) -> [f64; 2] {
+    let rp = radius(simulation);
+    let far = |x: &DVec3| {
+        let aside = x.x.abs().max(x.z.abs());
+        aside > 0.27 && aside < HALF_WIDTH - 3.0 * rp && x.y > 4.0 * rp && x.y < DEPTH - 6.0 * rp
+    };
+    let pressures = simulation.pressures();
+    let all = simulation.particles().positions.iter().zip(&pressures).filter(|(x, _)| far(x));
+    let points: Vec<[f64; 2]> = all.map(|(x, &p)| [x.y, f64::from(p) / (RHO * GRAVITY)]).collect();
+    line(&points)
+}
+
+/// Mass of the particles in a frame around the body, over its volume and rho_0; each counts as the part of its cube that is
+/// in the frame.
+fn counted_density(simulation: &Simulation) -> f64 {
+    let rp = radius(simulation);
+    let [low, high] = [4.0 * rp, DEPTH - 8.0 * rp];
+    let [inner, outer] = [0.25, HALF_WIDTH - 3.0 * rp];
+    let part = |x: f64, from: f64, to: f64| (((x + rp).min(to) - (x - rp).max(from)) / (2.0 * rp)).max(0.0);
+    let square = |x: &DVec3, half: f64| part(x.x, -half, half) * part(x.z, -half, half);
+    let all = simulation.particles().positions.iter();
+    let count: f64 = all.map(|x| part(x.y, low, high) * (square(x, outer) - square(x, inner))).sum();
+    count * simulation.particle_volume() / ((high - low) * 4.0 * (outer * outer - inner * inner))
+}
+
+/// Where the water would stand if all of it had its rest density: its volume and that of the body below the level, over the
+/// tank's floor, metres.
+fn level_by_volume(simulation: &Simulation, shape: &Shape, pose: Pose) -> f64 {
+    let water = simulation.particles().len() as f64 * simulation.particle_volume();
+    let area = (2.0 * HALF_WIDTH).powi(2);
+    let (mut low, mut high) = (water / area, water / area + 1.0);
+    for _ in 0..50 {
+        let level = 0.5 * (low + high);
+        let holds = area * level - volume_below(&shape.mesh, pose, level);
+        if holds < water { low = level } else { high = level }
+    }
+    0.5 * (low + high)
+}
+
+/// Mean height of the highest particles in columns far from the body and the walls, and a particle radius.
+fn surface_level(simulation: &Simulation) -> f64 {
+    let side = 4.0 * radius(simulation);
+    let mut tops = std::collections::BTreeMap::new();
+    for x in &simulation.particles().positions {
+        if x.x.abs().max(x.z.abs()) > 0.27 {
+            let column = ((x.x / side).floor() as i64, (x.z / side).floor() as i64);
+            let top = tops.entry(column).or_insert(f64::NEG_INFINITY);
+            *top = x.y.max(*top);
+        }
+    }
+    tops.values().sum::<f64>() / tops.len() as f64 + radius(simulation)
+}
+
+/// Lets a body float; the submerged part over Archimedes' with time.
+fn floating(
+    run: &Run,
+    outcome: &mut Outcome,
+    tank: &Tank,
+    (name, shape, density): (&str, &Shape, f64),
+) -> Result<Vec<[f64; 2]>, Error> {
+    let end = run.pick(1.6, 3.0);
+    let part = density / RHO;
+    // At about its depth, a little too high.
+    let height = DEPTH + 0.28 * (0.5 - part) + 0.05;
+    let mut simulation = tank.with(shape.body(name, DVec3::new(0.0, height, 0.0), free(density, false)))?;
+    let whole = volume_below(&shape.mesh, Default::default(), 9.0);
+    let (mut points, mut sums, mut time, mut speed) = (Vec::new(), [0.0; 3], 0.0, 0.0f64);
+    until(&mut simulation, end, &mut |simulation, report| {
+        let state = simulation.bodies().state(1);
+        speed = speed.max(state.velocity.length());
+        let [offset, slope] = pressure_line(simulation);
+        let by_volume = level_by_volume(simulation, shape, state.pose);
+        let levels = [by_volume, -offset / slope, surface_level(simulation)];
+        let submerged = levels.map(|level| volume_below(&shape.mesh, state.pose, level) / whole / part);
+        points.push([simulation.time(), submerged[0]]);
+        if simulation.time() > 0.5 * end {
+            time += report.dt;
+            sums.iter_mut().zip(submerged).for_each(|(sum, part)| *sum += report.dt * part);
+        }
+    })?;
+    let case = format!("{name}, {density} kg/m^3");
+    let rows = &mut outcome.rows;
+    let [by_volume, by_pressure, by_surface] = sums.map(|sum| sum / time);
+    rows.push(Row::new(&case, "submerged part over Archimedes'", "", by_volume).between(0.97, 1.03));
+    rows.push(Row::new(&case, "the same by the pressure's level", "", by_pressure));
+    rows.push(Row::new(&case, "the same by the highest particles", "", by_surface));
+    rows.push(Row::new(&case, "largest speed", "m/s", speed).at_most(3.0));
+    rows.push(Row::new(&case, "speed at the end", "m/s", simulation.bodies().state(1).velocity.length()));
+    Ok(points)
+}

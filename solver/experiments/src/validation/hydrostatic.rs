@@ -1,0 +1,182 @@
+//! Water at rest in a tank: where the layers lie, how calm they are, what pressure they have. Pressure of a fluid at
+//! rest is rho g times the depth; the first layer of particles belongs half a spacing, rp, from floor and walls.
+//!
+//! Bender et al. 2020, *Implicit Frictional Boundary Handling for SPH*, section 4.3: the boundary's density, Eq. 14, and
+//! force, Eq. 15.
+
+mod column;
+
+use super::{Experiment, Outcome, Row, Run, chart, curve};
+use column::{Column, HALF_WIDTH, Rest};
+use volmap_figures::picture::colours::{DISTINCT, INK};
+use volmap_figures::picture::{Data, Series};
+use volmap_fluid::Error;
+use volmap_fluid::settings::{BoundaryMethod, BoundaryPressure};
+use volmap_fluid::shapes::{Shape, baked_for, cuboid};
+use volmap_runtime::{ClosureKind, DVec3};
+
+/// Water at rest.
+pub const EXPERIMENT: Experiment = Experiment {
+    name: "hydrostatic",
+    title: "water at rest in a tank, with every closure",
+    about: "layers belong 1 rp from floor and walls, pressure is rho g h within 2 %, and nothing moves",
+    run,
+};
+
+/// Particle radius, metres; of one case half of it.
+const RADIUS: f64 = 0.025;
+const GRAVITY: f64 = 9.81;
+const DENSITY: f64 = 1000.0;
+
+struct Case {
+    name: String,
+    column: Column,
+    /// Whether the figures have targets: of the default closure as it is meant.
+    judged: bool,
+}
+
+fn run(run: &Run) -> Result<Outcome, Error> {
+    let mut outcome = Outcome::default();
+    let mut done = Vec::new();
+    for case in cases(run) {
+        (run.progress)(&format!("hydrostatic: {}, {} s", case.name, case.column.end));
+        match case.column.settle(&tank(&case.column)?) {
+            Ok(rest) => {
+                outcome.rows.extend(rows(&case, &rest));
+                done.push((case, rest));
+            }
+            Err(Error::Simulation { time, reason, .. }) => {
+                outcome.rows.push(Row::new(&case.name, "stopped at", "s", time).target("never", false));
+                outcome.notes.push(format!("{}: {reason}", case.name));
+            }
+            Err(other) => return Err(other),
+        }
+    }
+    outcome.chart("hydrostatic_energy.png", energies(&done));
+    outcome.chart("hydrostatic_pressure.png", pressures(&done));
+    Ok(outcome)
+}
+
+/// A tank of 1 x 1.2 x 1 m, as the column's closure needs it.
+fn tank(column: &Column) -> Result<Shape, Error> {
+    let size = DVec3::new(HALF_WIDTH, 1.2, HALF_WIDTH);
+    let hollow = cuboid(DVec3::new(-size.x, 0.0, -size.z), size);
+    baked_for(column.closure, hollow, 4.0 * column.radius, true)
+}
+
+/// The tank filled from wall to wall, and the block that SPlisHSPlasH makes of [-0.45, 0.05, -0.45] to [0.45, 0.6, 0.45],
+/// 2,890 particles of its volume, which spread first.
+fn cases(run: &Run) -> Vec<Case> {
+    let full = [DVec3::new(-HALF_WIDTH, 0.0, -HALF_WIDTH), DVec3::new(HALF_WIDTH, 0.5, HALF_WIDTH)];
+    let loose = [DVec3::new(-0.425, 0.075, -0.425), DVec3::new(0.425, 0.575, 0.425)];
+    let filled = |closure, end| Column {
+        radius: RADIUS,
+        closure,
+        volume_factor: 1.0,
+        boundary: BoundaryMethod::VolumeMap,
+        pressure: BoundaryPressure::Own,
+        largest_step: 0.005,
+        block: full,
+        end,
+    };
+    let spread = |closure, end| Column { volume_factor: 0.8, block: loose, ..filled(closure, end) };
+    let mirror = ClosureKind::Mirror;
+    if run.short {
+        return vec![Case { name: "mirror, 0.8".into(), column: spread(mirror, 3.5), judged: true }];
+    }
+    let mut all = Vec::new();
+    let mut add = |name: String, column: Column, judged| all.push(Case { name, column, judged });
+    for closure in ClosureKind::ALL {
+        let judged = closure == mirror;
+        add(format!("{closure}"), filled(closure, 10.0), judged);
+        add(format!("{closure}, 0.8"), spread(closure, 8.0), judged);
+    }
+    add("mirror, 2 ms".into(), Column { largest_step: 0.002, ..filled(mirror, 10.0) }, true);
+    add("mirror, 0.8, 2 ms".into(), Column { largest_step: 0.002, ..spread(mirror, 8.0) }, true);
+    add("mirror, rp / 2".into(), Column { radius: 0.5 * RADIUS, ..filled(mirror, 4.0) }, true);
+    for closure in [mirror, ClosureKind::Calibrated] {
+        add(
+            format!("{closure}, Eq. 15"),
+            Column { pressure: BoundaryPressure::Mirror, ..filled(closure, 4.0) },
+            false,
+        );
+    }
+    all
+}
+
+fn rows(case: &Case, rest: &Rest) -> Vec<Row> {
+    let told = |quantity: &str, unit, value| Row::new(&case.name, quantity, unit, value);
+    let judged = |row: Row, judge: &dyn Fn(Row) -> Row| if case.judged { judge(row) } else { row };
+    let [floor, slope] = rest.line;
+    let expected = DENSITY * GRAVITY * rest.true_height;
+    let percent = |value: f64, of: f64| 100.0 * (value / of - 1.0);
+    let [y, pressure] = rest.pressures.first().copied().unwrap_or([f64::NAN; 2]);
+    let first = percent(pressure, expected - DENSITY * GRAVITY * y);
+    let two = |row: Row| row.between(-2.0, 2.0);
+    vec![
+        told("particles", "", rest.count as f64),
+        judged(told("first layer above the floor", "rp", rest.layer[0]), &|row| row.between(0.9, 1.1)),
+        judged(told("first layer at the walls", "rp", rest.layer[1]), &|row| row.between(0.9, 1.1)),
+        told("particles in the first layer", "", rest.in_layer as f64),
+        told("height, true", "m", rest.true_height),
+        judged(told("height of the water", "m", rest.top), &|row| {
+            row.between(0.95 * rest.true_height, 1.05 * rest.true_height)
+        }),
+        judged(told("rms speed", "m/s", rest.speed), &|row| row.at_most(0.003)),
+        told("rms speed of the first layer", "m/s", rest.layer_speed[0]),
+        told("rms speed above it", "m/s", rest.layer_speed[1]),
+        judged(told("drift of the centre of mass", "rp", rest.drift / case.column.radius), &|row| {
+            row.at_most(0.1)
+        }),
+        told("largest density", "rho_0", rest.density),
+        judged(told("pressure at the floor, error", "%", percent(floor, expected)), &two),
+        judged(
+            told(
+                "pressure in the middle, error",
+                "%",
+                percent(floor + 0.5 * slope * rest.true_height, 0.5 * expected),
+            ),
+            &two,
+        ),
+        judged(told("slope of the pressure, error", "%", percent(slope, -DENSITY * GRAVITY)), &two),
+        told("pressure of the first layer, error", "%", first),
+        told("iterations, density", "a step", rest.iterations[0]),
+        told("iterations, divergence", "a step", rest.iterations[1]),
+        judged(told("found in the wall", "", rest.inside as f64), &|row| row.at_most(0.0)),
+        told("lost", "", rest.lost as f64).at_most(0.0),
+    ]
+}
+
+/// Kinetic energy of the filled tank over time.
+fn energies(done: &[(Case, Rest)]) -> volmap_figures::picture::Chart {
+    let filled =
+        done.iter().filter(|(case, _)| case.column.volume_factor == 1.0 && case.column.largest_step > 0.004);
+    let series = filled.zip(DISTINCT.iter().cycle()).map(|((case, rest), &colour)| {
+        // A point in 50 ms is enough for the eye.
+        let every = (rest.energies.len() / 200).max(1);
+        let mean = |points: &[[f64; 2]]| {
+            let energy = points.iter().map(|point| point[1]).sum::<f64>() / points.len() as f64;
+            [points[points.len() - 1][0], energy]
+        };
+        let dashed = case.column.pressure == BoundaryPressure::Mirror;
+        let points: Vec<[f64; 2]> = rest.energies.chunks(every).map(mean).collect();
+        let data = if dashed { Data::Dashes(points) } else { Data::Curve(points) };
+        Series { name: case.name.clone(), colour, data }
+    });
+    let mut chart =
+        chart("Kinetic energy of 0.5 m of water at rest", ["time", "s"], ["energy", "J"], series.collect());
+    chart.y.log = true;
+    chart
+}
+
+/// Pressure over the height, of the default closure.
+fn pressures(done: &[(Case, Rest)]) -> volmap_figures::picture::Chart {
+    let mut series = Vec::new();
+    for ((case, rest), &colour) in done.iter().filter(|(case, _)| case.judged).zip(&DISTINCT) {
+        series.push(curve(&case.name, colour, rest.pressures.clone()));
+        let floor = DENSITY * GRAVITY * rest.true_height;
+        let ideal = Data::Dashes(vec![[0.0, floor], [rest.true_height, 0.0]]);
+        series.push(Series { name: String::new(), colour: INK, data: ideal });
+    }
+    chart("Pressure over the height; dashes: rho g h", ["height", "m"], ["pressure", "Pa"], series)
+}

@@ -1,0 +1,30 @@
+//! What can go wrong in a simulation.
+
+/// Why a simulation can't begin or go on.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// What it would begin with can't be used.
+    #[error("{place}: {reason}")]
+    Setup {
+        /// What of it.
+        place: String,
+        /// What is wrong and the cure.
+        reason: String,
+    },
+    /// A mesh can't be baked.
+    #[error(transparent)]
+    Bake(#[from] volmap_bake::Error),
+    /// A volume map can't be opened.
+    #[error(transparent)]
+    Map(#[from] volmap_runtime::Error),
+    /// The simulation stopped, because what it computes is no fluid any more.
+    #[error("step {step}, t = {time:.5} s: {reason}")]
+    Simulation {
+        /// Steps done.
+        step: u64,
+        /// Time simulated, seconds.
+        time: f64,
+        /// What happened and the cure.
+        reason: String,
+    },
+}

@@ -1,0 +1,504 @@
+//! The simulation: its state, and a step as Algorithm 1 of Band et al. 2018 writes it.
+
+use crate::blocks::TooDense;
+use crate::bodies::Bodies;
+use crate::boundary::Boundary;
+use crate::boundary::pressure::{self, Extrapolation, WallPressure};
+use crate::cells::Cells;
+use crate::coupling;
+use crate::emitter::Emitter;
+use crate::error::Error;
+use crate::fields::{CHUNK, Discretization, Fields};
+use crate::neighbours::{Neighbours, Sought};
+use crate::pairs::table::MOST;
+use crate::particles::Particles;
+use crate::plane;
+use crate::pressure::{Solve, SolveReport};
+use crate::response::Response;
+use crate::settings::{FluidSettings, SolveSettings, SolverSettings, World};
+use crate::stages::Stages;
+use crate::strays;
+use crate::time_step::{time_step, viscous_limit};
+use crate::viscosity::{ViscousSolver, ViscousSystem};
+use rayon::prelude::*;
+use volmap_runtime::DVec3;
+
+/// What a simulation begins with. Numbers must be finite and in range: see `volmap_scenes`.
+pub struct Setup {
+    /// Particle radius, support radius, kernel, closure, gravity.
+    pub world: World,
+    /// What the fluid is.
+    pub fluid: FluidSettings,
+    /// How it is solved.
+    pub solver: SolverSettings,
+    /// The fluid at the start.
+    pub particles: Particles,
+    /// What adds to it.
+    pub emitters: Vec<Emitter>,
+    /// What it touches; maps of the world's support radius.
+    pub bodies: Bodies,
+    /// Particles that leave this box are removed. Default: fluid and bodies of the start, thrice as wide and more.
+    pub domain: Option<[DVec3; 2]>,
+}
+
+/// A fluid, the bodies around it, and the time.
+pub struct Simulation {
+    world: World,
+    fluid: FluidSettings,
+    solver: SolverSettings,
+    domain: [DVec3; 2],
+    pub(crate) particles: Particles,
+    pub(crate) emitters: Vec<Emitter>,
+    pub(crate) bodies: Bodies,
+    pub(crate) time: f64,
+    pub(crate) step: u64,
+    /// Largest speed of a body where it touched the fluid in the last step, m/s.
+    pub(crate) body_speed: f64,
+    /// Force and torque of the fluid on each body in the last step.
+    body_forces: Vec<[DVec3; 2]>,
+    cells: Cells,
+    order: Vec<u32>,
+    /// Room to put particles into another order.
+    spare: Particles,
+    neighbours: Neighbours,
+    boundary: Boundary,
+    extrapolation: Extrapolation,
+    fields: Fields,
+    viscous: ViscousSolver,
+    stages: Stages,
+}
+
+/// What a solve is for.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Goal {
+    Divergence,
+    Density,
+}
+
+impl Goal {
+    fn settings(self, solver: &SolverSettings) -> &SolveSettings {
+        match self {
+            Goal::Divergence => &solver.divergence,
+            Goal::Density => &solver.density,
+        }
+    }
+
+    /// Where the next solve begins.
+    fn pressures(self, particles: &mut Particles) -> &mut Vec<f32> {
+        match self {
+            Goal::Divergence => &mut particles.divergence_pressures,
+            Goal::Density => &mut particles.pressures,
+        }
+    }
+}
+
+/// What a step was like.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct StepReport {
+    /// Its length, seconds.
+    pub dt: f64,
+    /// The density solve.
+    pub density: SolveReport,
+    /// The divergence solve.
+    pub divergence: SolveReport,
+    /// The viscous solve, of velocities instead of densities: [`crate::viscosity`].
+    pub viscosity: SolveReport,
+    /// Largest speed at its beginning, m/s, that of bodies where they touch the fluid included.
+    pub max_speed: f64,
+    /// Particles that came from emitters.
+    pub emitted: usize,
+    /// Particles that left the domain and were removed.
+    pub removed: usize,
+    /// Particles whose centres were in a body.
+    pub inside: usize,
+    /// Particles that a body is near.
+    pub near_bodies: usize,
+    /// Wall-clock times.
+    pub stages: Stages,
+}
+
+impl Simulation {
+    /// A simulation at time 0.
+    ///
+    /// # Errors
+    /// As [`Boundary::new`].
+    pub fn new(setup: Setup) -> Result<Simulation, Error> {
+        plane::check(&setup)?;
+        let Setup { world, fluid, solver, particles, emitters, bodies, domain } = setup;
+        let densities = vec![1.0; particles.len()];
+        let boundary = Boundary::new(&world, &fluid, &bodies)?;
+        Ok(Simulation {
+            domain: domain.unwrap_or_else(|| default_domain(&particles, &emitters, &bodies, &world)),
+            world,
+            fluid,
+            solver,
+            particles,
+            emitters,
+            bodies,
+            time: 0.0,
+            step: 0,
+            body_speed: 0.0,
+            body_forces: Vec::new(),
+            cells: Cells::default(),
+            order: Vec::new(),
+            spare: Particles::default(),
+            neighbours: Neighbours::default(),
+            boundary,
+            extrapolation: Extrapolation::default(),
+            fields: Fields { densities, ..Fields::default() },
+            viscous: ViscousSolver::default(),
+            stages: Stages::default(),
+        })
+    }
+
+    /// One step: PERFORM SIMULATION of Algorithm 1, and the bodies.
+    ///
+    /// # Errors
+    /// [`Error::Simulation`] when what is computed is no fluid any more; the state is then of no use.
+    pub fn step(&mut self) -> Result<StepReport, Error> {
+        // All on one of rayon's threads: from outside, each parallel loop would put this thread to sleep and wake it again.
+        rayon::scope(|_| self.perform())
+    }
+
+    fn perform(&mut self) -> Result<StepReport, Error> {
+        self.stages.begin();
+        self.body_forces.clear();
+        self.body_forces.resize(self.bodies.posed().len(), [DVec3::ZERO; 2]);
+        let emitted = self.emit();
+        let max_speed = self.max_speed();
+        let dt = self.time_step(max_speed)?;
+        self.find_neighbourhoods()?;
+        self.compute_density();
+        let divergence = self.correct_divergence_error(dt);
+        let viscosity = self.add_non_pressure(dt);
+        let density = self.correct_density_error(dt);
+        self.advance(dt);
+        let removed = strays::remove_outside(&mut self.particles, &mut self.fields.densities, self.domain);
+        self.stages.end(|stages| &mut stages.advance);
+        self.bodies.step(dt)?;
+        self.stages.end(|stages| &mut stages.rigid);
+        self.time += dt;
+        self.step += 1;
+        Ok(StepReport {
+            dt,
+            density,
+            divergence,
+            viscosity,
+            max_speed,
+            emitted,
+            removed,
+            inside: self.boundary.inside().count(),
+            near_bodies: self.boundary.of_particle.iter().filter(|wall| wall.density != 0.0).count(),
+            stages: self.stages,
+        })
+    }
+
+    fn emit(&mut self) -> usize {
+        let before = self.particles.len();
+        for emitter in &mut self.emitters {
+            let places = emitter.emit(self.time);
+            let velocity = emitter.velocity().as_vec3().to_array();
+            self.particles.add(&places, &vec![velocity; places.len()]);
+        }
+        self.particles.len() - before
+    }
+
+    fn time_step(&self, max_speed: f64) -> Result<f64, Error> {
+        let settings = &self.solver.time_step;
+        let smallest = if settings.adaptive { settings.min } else { settings.initial };
+        let way = max_speed * smallest;
+        if way.is_nan() || way > self.world.support_radius {
+            return Err(self.stopped(format!(
+                "the largest speed is {max_speed:.3e} m/s: a particle crosses the support radius of {} m in the smallest \
+                 time step, {smallest:e} s; allow smaller steps (solver.time_step), or look for fluid that begins in a \
+                 body or on top of other fluid",
+                self.world.support_radius
+            )));
+        }
+        let first = self.step == 0 && settings.adaptive;
+        let viscous = viscous_limit(&self.fluid, &self.world);
+        let dt = time_step(settings, self.world.particle_radius, max_speed, viscous);
+        Ok(if first { dt.min(settings.initial) } else { dt })
+    }
+
+    fn stopped(&self, reason: String) -> Error {
+        Error::Simulation { step: self.step, time: self.time, reason }
+    }
+
+    fn find_neighbourhoods(&mut self) -> Result<(), Error> {
+        let radius = self.world.support_radius;
+        self.cells.sort(&self.particles.positions, radius, &mut self.order);
+        self.particles.reorder(&self.order, &mut self.spare);
+        self.fields.place(&self.particles, radius);
+        self.stages.end(|stages| &mut stages.sort);
+        let [_, implicit] = self.fluid.viscosities();
+        let bends = implicit > 0.0;
+        let sought = Sought { with: self.discretization(), bends };
+        let Fields { places, neighbourhoods, .. } = &mut self.fields;
+        let found = self.neighbours.find(&self.cells, places, sought, neighbourhoods);
+        found.map_err(|dense| self.too_dense(dense))?;
+        self.stages.end(|stages| &mut stages.neighbours);
+        Ok(())
+    }
+
+    fn too_dense(&self, TooDense { particle }: TooDense) -> Error {
+        let DVec3 { x, y, z } = self.particles.positions[particle];
+        self.stopped(format!(
+            "more than {MOST} particles are near each other at ({x:.4}, {y:.4}, {z:.4}): look for fluid that begins on top of other \
+             fluid, or for one far away from the others, and give a smaller domain"
+        ))
+    }
+
+    fn compute_density(&mut self) {
+        self.boundary.sample(&self.bodies, &self.particles.positions, &self.neighbours);
+        self.body_speed = self.boundary.max_speed();
+        self.stages.end(|stages| &mut stages.boundary);
+        self.fields.compute_density(&self.boundary);
+        self.stages.end(|stages| &mut stages.density);
+        let fluid = pressure::Fluid {
+            cells: &self.cells,
+            positions: &self.particles.positions,
+            densities: &self.fields.densities,
+            with: self.discretization(),
+            gravity: self.world.gravity,
+        };
+        self.extrapolation.find(self.solver.boundary_pressure, &mut self.boundary, fluid);
+        self.stages.end(|stages| &mut stages.boundary);
+    }
+
+    fn correct_divergence_error(&mut self, dt: f64) -> SolveReport {
+        let report = self.correct(Goal::Divergence, dt);
+        self.stages.end(|stages| &mut stages.divergence);
+        report
+    }
+
+    fn add_non_pressure(&mut self, dt: f64) -> SolveReport {
+        let forces = (&self.fluid, self.world.gravity);
+        self.fields.compute_non_pressure(self.discretization(), &self.neighbours, forces, dt);
+        self.fields.accelerate(dt);
+        let report = self.solve_viscosity(dt);
+        self.stages.end(|stages| &mut stages.non_pressure);
+        report
+    }
+
+    /// Implicit viscosity and the drag of bodies, where there is any.
+    fn solve_viscosity(&mut self, dt: f64) -> SolveReport {
+        let [_, viscosity] = self.fluid.viscosities();
+        if viscosity == 0.0 && self.boundary.drags().next().is_none() {
+            return SolveReport::default();
+        }
+        let system = ViscousSystem {
+            neighbours: &self.neighbours,
+            boundary: &self.boundary,
+            bodies: &self.bodies,
+            viscosity,
+            mass: self.particle_mass(),
+            settings: &self.solver.viscosity,
+            dt,
+        };
+        let changes = &mut self.particles.viscous_changes;
+        let (report, forces) = self.viscous.solve(&system, &mut self.fields, changes);
+        self.push(&forces);
+        report
+    }
+
+    fn correct_density_error(&mut self, dt: f64) -> SolveReport {
+        let report = self.correct(Goal::Density, dt);
+        self.stages.end(|stages| &mut stages.pressure);
+        report
+    }
+
+    /// A solve, and what its pressures do to fluid and bodies.
+    fn correct(&mut self, goal: Goal, dt: f64) -> SolveReport {
+        if !goal.settings(&self.solver).enabled {
+            return SolveReport::default();
+        }
+        let mut fields = std::mem::take(&mut self.fields);
+        let mut pressures = std::mem::take(goal.pressures(&mut self.particles));
+        fields.set_pressures(&pressures, self.solver.warm_start as f32);
+        let solve = self.solve(goal, dt);
+        let report = match goal {
+            Goal::Divergence => fields.correct_divergence(&solve),
+            Goal::Density => fields.correct_density(&solve),
+        };
+        let forces = coupling::forces(&self.bodies, &fields, &solve, self.particle_mass());
+        pressures.copy_from_slice(&fields.pressures);
+        fields.accelerate(dt);
+        self.fields = fields;
+        *goal.pressures(&mut self.particles) = pressures;
+        self.push(&forces);
+        report
+    }
+
+    fn push(&mut self, forces: &[[DVec3; 2]]) {
+        coupling::push(&mut self.bodies, forces);
+        for (sum, force) in self.body_forces.iter_mut().zip(forces) {
+            sum[0] += force[0];
+            sum[1] += force[1];
+        }
+    }
+
+    fn solve(&self, goal: Goal, dt: f64) -> Solve<'_> {
+        // By then the fluid's velocities have been changed by gravity and the first solve, the bodies' not yet.
+        let after_gravity = goal == Goal::Density;
+        let kind = self.solver.boundary_pressure;
+        Solve {
+            with: self.discretization(),
+            neighbours: &self.neighbours,
+            boundary: &self.boundary,
+            response: Response::new(&self.bodies, &self.boundary, self.particle_mass(), after_gravity),
+            settings: goal.settings(&self.solver),
+            wall: WallPressure::new(kind, &self.boundary, &self.extrapolation, after_gravity),
+            relaxation: self.solver.relaxation as f32,
+            dt,
+        }
+    }
+
+    /// New velocities and places; particles in bodies move out.
+    fn advance(&mut self, dt: f64) {
+        let Particles { positions, velocities, .. } = &mut self.particles;
+        let all = positions.par_iter_mut().zip(velocities).zip(&self.fields.velocities).with_min_len(CHUNK);
+        all.for_each(|((position, velocity), &[x, y, z, _])| {
+            *velocity = [x, y, z];
+            *position += dt * DVec3::new(x.into(), y.into(), z.into());
+        });
+        let radius = self.world.particle_radius;
+        strays::bring_back(&mut self.particles, self.boundary.inside(), &self.bodies, radius, dt);
+    }
+
+    fn max_speed(&self) -> f64 {
+        let square = |v: &[f32; 3]| v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+        // Not a number must not be overlooked.
+        let larger = |a: f32, b: f32| if a.is_nan() || a > b { a } else { b };
+        let fluid = self.particles.velocities.par_iter().map(square).reduce(|| 0.0, larger);
+        if fluid.is_nan() { f64::NAN } else { f64::from(fluid.sqrt()).max(self.body_speed) }
+    }
+
+    fn discretization(&self) -> Discretization {
+        Discretization {
+            kernel: self.world.kernel,
+            support_radius: self.world.support_radius,
+            volume: self.particle_volume() * self.world.volume_in_sums(),
+            dimension: self.world.dimension,
+        }
+    }
+
+    /// Volume V of a particle, m^3; in two dimensions area, m^2.
+    pub fn particle_volume(&self) -> f64 {
+        self.fluid.volume_factor * self.world.particle_cube()
+    }
+
+    /// Mass of a particle, kg; in two dimensions kg/m.
+    pub fn particle_mass(&self) -> f64 {
+        self.fluid.rest_density * self.particle_volume()
+    }
+
+    /// Time simulated, seconds.
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// Steps done.
+    pub fn steps(&self) -> u64 {
+        self.step
+    }
+
+    /// The fluid.
+    pub fn particles(&self) -> &Particles {
+        &self.particles
+    }
+
+    /// What it touches.
+    pub fn bodies(&self) -> &Bodies {
+        &self.bodies
+    }
+
+    /// The fluid's force (N) on each body in the last step, and its torque (N m) about the centre of mass; if no body is
+    /// free, by drag alone.
+    pub fn body_forces(&self) -> &[[DVec3; 2]] {
+        &self.body_forces
+    }
+
+    /// Boundary particles of all bodies; none where there are maps.
+    pub fn boundary_particles(&self) -> usize {
+        self.boundary.particle_count()
+    }
+
+    /// Mean number of neighbours in the last step.
+    pub fn mean_neighbours(&self) -> f64 {
+        self.neighbours.entries() as f64 / self.particles.len().max(1) as f64
+    }
+
+    /// Relative densities D = rho / rho_0 at the beginning of the last step; 1 before the first.
+    pub fn densities(&self) -> &[f32] {
+        &self.fields.densities
+    }
+
+    /// Pressures of the density solve, Pa.
+    pub fn pressures(&self) -> Vec<f32> {
+        let density = self.fluid.rest_density as f32;
+        let all = self.particles.pressures.iter().zip(&self.fields.densities);
+        all.map(|(pressure, relative)| density * relative * relative * pressure).collect()
+    }
+
+    /// What the particles saw of the bodies in the last step.
+    pub fn boundary(&self) -> &Boundary {
+        &self.boundary
+    }
+
+    /// Puts the particles elsewhere: from a particle's name to its position (metres) and velocity (m/s).
+    pub fn place(&mut self, at: impl Fn(u32) -> (DVec3, [f32; 3])) {
+        let Particles { positions, velocities, ids, .. } = &mut self.particles;
+        for ((position, velocity), &id) in positions.iter_mut().zip(velocities).zip(&*ids) {
+            (*position, *velocity) = at(id);
+        }
+    }
+
+    /// What adds to the fluid.
+    pub fn emitters(&self) -> &[Emitter] {
+        &self.emitters
+    }
+
+    /// Largest speed of a body where it touched the fluid in the last step, m/s.
+    pub fn body_speed(&self) -> f64 {
+        self.body_speed
+    }
+
+    pub(crate) fn is_in_domain(&self, x: DVec3) -> bool {
+        strays::is_within(x, self.domain)
+    }
+
+    pub(crate) fn set_densities(&mut self, densities: Vec<f32>) {
+        self.fields.densities = densities;
+    }
+
+    /// Bytes held by particles and lists.
+    pub fn memory_bytes(&self) -> usize {
+        let lists = self.neighbours.memory_bytes() + self.extrapolation.memory_bytes();
+        lists + self.boundary.memory_bytes() + 2 * self.particles.memory_bytes() + self.fields.memory_bytes()
+    }
+}
+
+/// Of the default domain, in support radii.
+const LEAST_MARGIN: f64 = 100.0;
+
+/// All that is there at the start, grown on each side by its own diagonal, or by what a drop may fall.
+fn default_domain(particles: &Particles, emitters: &[Emitter], bodies: &Bodies, world: &World) -> [DVec3; 2] {
+    let mut points: Vec<DVec3> = particles.positions.clone();
+    points.extend(emitters.iter().flat_map(|emitter| emitter.layer().iter().copied()));
+    for body in bodies.posed() {
+        let grid = body.map.grid();
+        for corner in 0..8 {
+            let pick = |bit: u32, min: f64, max: f64| if corner >> bit & 1 == 0 { min } else { max };
+            // In two dimensions grids are endless along z.
+            let [min, max] =
+                [grid.origin, grid.max_corner()].map(|x| if x.z.is_finite() { x } else { x.with_z(0.0) });
+            let at = DVec3::new(pick(0, min.x, max.x), pick(1, min.y, max.y), pick(2, min.z, max.z));
+            points.push(body.pose.to_world(at));
+        }
+    }
+    let min = points.iter().fold(DVec3::INFINITY, |min, &x| min.min(x));
+    let max = points.iter().fold(DVec3::NEG_INFINITY, |max, &x| max.max(x));
+    let margin = DVec3::splat((max - min).length().max(LEAST_MARGIN * world.support_radius));
+    [min - margin, max + margin]
+}

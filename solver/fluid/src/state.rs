@@ -1,0 +1,50 @@
+//! What a simulation keeps from one step to the next: with it, one of the same setup goes on with the same bits.
+
+use crate::emitter::EmitterState;
+use crate::particles::Particles;
+use crate::simulation::Simulation;
+
+/// The state after a step, as [`Simulation::particles`], [`Simulation::densities`] and so on give it.
+#[derive(Clone, Debug)]
+pub struct State {
+    /// The fluid.
+    pub particles: Particles,
+    /// Relative densities of the last step.
+    pub densities: Vec<f32>,
+    /// How far each emitter is.
+    pub emitters: Vec<EmitterState>,
+    /// The bodies: [`Bodies::snapshot`](crate::bodies::Bodies::snapshot).
+    pub bodies: Vec<u8>,
+    /// Time simulated, seconds.
+    pub time: f64,
+    /// Steps done.
+    pub step: u64,
+    /// [`Simulation::body_speed`].
+    pub body_speed: f64,
+}
+
+impl Simulation {
+    /// Takes a state of a simulation of the same setup.
+    ///
+    /// # Errors
+    /// What is wrong with it; the simulation is of no use then.
+    pub fn restore(&mut self, state: State) -> Result<(), String> {
+        let State { particles, densities, emitters, bodies, time, step, body_speed } = state;
+        if !particles.is_even() || densities.len() != particles.len() || emitters.len() != self.emitters.len()
+        {
+            return Err("its lists have different lengths".into());
+        }
+        // Cells are laid around all places: those of no number or out of all bounds must not get there.
+        if !time.is_finite() || !particles.positions.iter().all(|&x| self.is_in_domain(x)) {
+            return Err("its numbers are out of range".into());
+        }
+        self.bodies.restore(&bodies)?;
+        for (emitter, state) in self.emitters.iter_mut().zip(emitters) {
+            emitter.state = state;
+        }
+        self.particles = particles;
+        self.set_densities(densities);
+        (self.time, self.step, self.body_speed) = (time, step, body_speed);
+        Ok(())
+    }
+}

@@ -1,0 +1,44 @@
+//! What can go wrong with a scene and its run.
+
+use std::path::PathBuf;
+
+/// Why a scene can't be run, or a run can't go on.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// The system refused.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// The file or folder.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// The scene can't be used as it is.
+    #[error("{place}: {reason}")]
+    Scene {
+        /// File, line and column, or the key.
+        place: String,
+        /// What is wrong and the cure.
+        reason: String,
+    },
+    /// A mesh can't be read or baked.
+    #[error(transparent)]
+    Bake(#[from] volmap_bake::Error),
+    /// A volume map can't be opened.
+    #[error(transparent)]
+    Map(#[from] volmap_runtime::Error),
+    /// A mesh of a body or particles can't be written.
+    #[error(transparent)]
+    Export(#[from] volmap_formats::export::ExportError),
+    /// The simulation can't begin or go on.
+    #[error(transparent)]
+    Simulation(#[from] volmap_fluid::Error),
+    /// A check-point can't be used.
+    #[error("{}: {reason}", path.display())]
+    Checkpoint {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong and the cure.
+        reason: String,
+    },
+}

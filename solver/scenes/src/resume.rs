@@ -1,0 +1,107 @@
+//! Check-points: all that a simulation needs to go on with the same bytes.
+
+use crate::error::Error;
+use crate::output::{Checkpoint, CheckpointWriter};
+use crate::scene::{Scene, SourceFile};
+use std::path::Path;
+use volmap_fluid::particles::Particles;
+use volmap_fluid::simulation::Simulation;
+use volmap_fluid::state::State;
+
+/// What a check-point is of.
+#[derive(Clone, Debug)]
+pub struct Identity {
+    /// Hash of all in the scene that a run depends on.
+    scene: [u8; 32],
+    /// The scene's maps and meshes.
+    files: Vec<SourceFile>,
+}
+
+impl Identity {
+    /// Of a scene and its files. Output and end may change from one run to the next, and folders may be moved; the rest
+    /// may not.
+    pub fn new(scene: &Scene, files: Vec<SourceFile>) -> Identity {
+        let mut run =
+            Scene { output: Default::default(), stop: Default::default(), cache: None, ..scene.clone() };
+        for path in run.paths_mut() {
+            *path = path.file_name().unwrap_or_default().into();
+        }
+        let text = serde_json::to_vec(&run).expect("a scene is numbers and text");
+        Identity { scene: *blake3::hash(&text).as_bytes(), files }
+    }
+
+    fn contents(&self) -> Vec<u8> {
+        self.files.iter().flat_map(|file| file.content).collect()
+    }
+
+    /// The first file that is not as it was.
+    fn changed(&self, contents: &[u8]) -> Option<&SourceFile> {
+        let (before, _) = contents.as_chunks::<32>();
+        let mut pairs = self.files.iter().enumerate();
+        pairs.find(|(n, file)| before.get(*n) != Some(&file.content)).map(|(_, file)| file)
+    }
+}
+
+/// Writes the state after the last step, and how many frames have been written by then.
+///
+/// # Errors
+/// A file that can't be written.
+pub fn save(simulation: &Simulation, frames: u64, path: &Path, identity: &Identity) -> Result<(), Error> {
+    let mut file = CheckpointWriter::create(path, identity.scene)?;
+    file.put("files", &identity.contents())?;
+    let particles = simulation.particles();
+    file.put_points("positions", &particles.positions)?;
+    file.put_f32x3("velocities", &particles.velocities)?;
+    file.put_f32("pressures", &particles.pressures)?;
+    file.put_f32("divergence_pressures", &particles.divergence_pressures)?;
+    file.put_f32x3("viscous_changes", &particles.viscous_changes)?;
+    file.put_u32("ids", &particles.ids)?;
+    file.put_f32("densities", simulation.densities())?;
+    file.put_f64("time", &[simulation.time(), simulation.body_speed()])?;
+    file.put_u64("step", &[simulation.steps(), u64::from(particles.next_id), frames])?;
+    let emitters: Vec<_> = simulation.emitters().iter().map(|emitter| emitter.state).collect();
+    file.put("emitters", &serde_json::to_vec(&emitters).expect("numbers"))?;
+    file.put("bodies", &simulation.bodies().snapshot()?)?;
+    file.finish()
+}
+
+/// Reads a state into the simulation of the same scene; the number of frames that had been written.
+///
+/// # Errors
+/// A file that can't be read, is damaged, or belongs to another scene, or to other maps or meshes.
+pub fn load(simulation: &mut Simulation, path: &Path, identity: &Identity) -> Result<u64, Error> {
+    let file = Checkpoint::open(path, identity.scene)?;
+    if let Some(changed) = identity.changed(file.get("files")?) {
+        let changed = changed.path.display();
+        return Err(file.refuse(format!(
+            "{changed} has changed since the check-point: put the old file back, or begin with --overwrite"
+        )));
+    }
+    let [step, next_id, frames] = fixed(&file, "step", file.get_u64("step")?)?;
+    let [time, body_speed] = fixed(&file, "time", file.get_f64("time")?)?;
+    let particles = Particles {
+        positions: file.get_points("positions")?,
+        velocities: file.get_f32x3("velocities")?,
+        pressures: file.get_f32("pressures")?,
+        divergence_pressures: file.get_f32("divergence_pressures")?,
+        viscous_changes: file.get_f32x3("viscous_changes")?,
+        ids: file.get_u32("ids")?,
+        next_id: next_id as u32,
+    };
+    let state = State {
+        particles,
+        densities: file.get_f32("densities")?,
+        emitters: serde_json::from_slice(file.get("emitters")?)
+            .map_err(|error| file.refuse(format!("emitters: {error}")))?,
+        bodies: file.get("bodies")?.to_vec(),
+        time,
+        step,
+        body_speed,
+    };
+    simulation.restore(state).map_err(|reason| file.refuse(reason))?;
+    Ok(frames)
+}
+
+fn fixed<T: Copy, const N: usize>(file: &Checkpoint, name: &str, list: Vec<T>) -> Result<[T; N], Error> {
+    list.try_into().map_err(|_| file.refuse(format!("{name} has the wrong length")))
+}

@@ -1,0 +1,334 @@
+//! What the fluid touches: a map or a mesh, where it is, how it moves, what it is made of.
+
+use super::numbers::{PerAxis, Rotation};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+use volmap_documents::{At, Checked};
+use volmap_runtime::Pose;
+
+/// A solid body.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Body {
+    /// Name in outputs and messages; unique. Default: the file's, with a number if it is not the only one.
+    pub name: String,
+    /// Volume map, baked for the scene's support radius.
+    pub map: Option<PathBuf>,
+    /// Or a mesh, which is baked on first use.
+    pub mesh: Option<PathBuf>,
+    /// How the mesh is baked.
+    pub bake: Bake,
+    /// Place of the body's origin at the start, metres.
+    pub translation: [f64; 3],
+    /// Rotation at the start, before the translation.
+    pub rotation: Rotation,
+    /// How it moves.
+    pub motion: Motion,
+    /// What it is made of.
+    pub material: Material,
+    /// Red, green, blue in pictures, 0 to 1. Default: by the program.
+    pub colour: Option<[f64; 3]>,
+}
+
+/// How a mesh becomes a map. The support radius is the scene's.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Bake {
+    /// The mesh is a container: the solid is outside.
+    pub invert: bool,
+    /// Metres per unit of the file. Default: what the file says, or 1.
+    pub unit: Option<f64>,
+    /// Axis of the file that becomes +y.
+    pub up: Up,
+    /// Scale, one number or three.
+    pub scale: Option<PerAxis<f64>>,
+    /// Moves the surface out of the solid by this, metres.
+    pub thickness: f64,
+    /// Cells of the map, one number or three.
+    pub resolution: Option<PerAxis<u32>>,
+    /// Or the edge of its cubic cells, metres. Default: a quarter of the support radius; with closure `mirror` an eighth, and
+    /// a twelfth of bodies that turn by `motion`.
+    pub cell_size: Option<f64>,
+}
+
+/// Axis of a mesh file that points up.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Up {
+    /// +x.
+    X,
+    /// +y: as it is.
+    #[default]
+    Y,
+    /// +z.
+    Z,
+}
+
+/// How a body moves.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub enum Motion {
+    /// Not at all.
+    #[default]
+    Static,
+    /// From pose to pose, linearly and along the shortest rotation; at rest before the first and after the
+    /// last.
+    Keyframes(Vec<Keyframe>),
+    /// At a constant rate about an axis.
+    Spin(Spin),
+    /// By gravity, contacts and the fluid.
+    Free(FreeMotion),
+}
+
+/// A pose at a time.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Keyframe {
+    /// Seconds.
+    pub time: f64,
+    /// Place of the body's origin, metres.
+    #[serde(default)]
+    pub translation: [f64; 3],
+    /// Rotation, before the translation.
+    #[serde(default)]
+    pub rotation: Rotation,
+}
+
+/// A constant rotation.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Spin {
+    /// Axis in the world; needn't have length 1.
+    pub axis: [f64; 3],
+    /// Turns per minute, right-handed.
+    pub rpm: f64,
+    /// A point of the axis in the world, metres. Default: the body's origin.
+    #[serde(default)]
+    pub centre: Option<[f64; 3]>,
+}
+
+/// A body that forces move. Its mass follows from `density` or is `mass`; one of them is needed.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct FreeMotion {
+    /// Density of the solid, kg/m^3.
+    pub density: Option<f64>,
+    /// Or mass, kg.
+    pub mass: Option<f64>,
+    /// Velocity at the start, m/s.
+    pub velocity: [f64; 3],
+    /// Angular velocity at the start, rad/s.
+    pub angular_velocity: [f64; 3],
+    /// World axes (x, y, z) along which it can't move.
+    pub fixed_translation: [bool; 3],
+    /// World axes (x, y, z) about which it can't turn.
+    pub fixed_rotation: [bool; 3],
+}
+
+/// What a body's surface is like.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Material {
+    /// Coulomb's coefficient of friction between bodies; of two, the mean counts.
+    pub friction: f64,
+    /// Restitution between bodies: 0 stays, 1 bounces.
+    pub restitution: f64,
+    /// How the fluid sticks: kinematic viscosity between it and the body, m^2/s, as the fluid's own (Bender et al. 2020, Eq. 16
+    /// and 17, mu_B over rho_0). 0: it slips.
+    pub fluid_viscosity: f64,
+    /// Tangential friction between fluid and body, m^2/s (Eq. 18 and 19): as `fluid_viscosity`, but the fluid comes off freely.
+    pub fluid_friction: f64,
+}
+
+impl Default for Material {
+    fn default() -> Self {
+        Material { friction: 0.5, restitution: 0.0, fluid_viscosity: 0.0, fluid_friction: 0.0 }
+    }
+}
+
+impl Material {
+    fn check(&self, at: &At) -> Checked {
+        at.not_negative("friction", self.friction)?;
+        at.within("restitution", self.restitution, [0.0, 1.0])?;
+        at.not_negative("fluid_viscosity", self.fluid_viscosity)?;
+        at.not_negative("fluid_friction", self.fluid_friction)
+    }
+}
+
+/// What a map is made from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Source<'a> {
+    /// An asset.
+    Map(&'a Path),
+    /// A mesh and how it is baked.
+    Mesh(&'a Path, &'a Bake),
+}
+
+impl<'a> Source<'a> {
+    /// The one that is given; `None` unless it is exactly one.
+    pub fn of(map: Option<&'a Path>, mesh: Option<&'a Path>, bake: &'a Bake) -> Option<Source<'a>> {
+        match (map, mesh) {
+            (Some(map), None) => Some(Source::Map(map)),
+            (None, Some(mesh)) => Some(Source::Mesh(mesh, bake)),
+            _ => None,
+        }
+    }
+
+    /// Its file.
+    pub fn path(&self) -> &'a Path {
+        match self {
+            Source::Map(path) | Source::Mesh(path, _) => path,
+        }
+    }
+}
+
+impl Body {
+    /// Whether it turns as it is told to, whatever the fluid does.
+    pub fn turns(&self) -> bool {
+        match &self.motion {
+            Motion::Spin(spin) => spin.rpm != 0.0,
+            Motion::Keyframes(frames) => frames.windows(2).any(|pair| pair[0].rotation != pair[1].rotation),
+            Motion::Static | Motion::Free(_) => false,
+        }
+    }
+
+    /// Its map or mesh.
+    pub fn source(&self) -> Option<Source<'_>> {
+        Source::of(self.map.as_deref(), self.mesh.as_deref(), &self.bake)
+    }
+
+    /// Where it is at the start.
+    pub fn pose(&self) -> Pose {
+        let (rotation, translation) = match &self.motion {
+            Motion::Keyframes(frames) if !frames.is_empty() => {
+                // Times increase and aren't negative: what comes first is the pose at the start.
+                (&frames[0].rotation, frames[0].translation)
+            }
+            _ => (&self.rotation, self.translation),
+        };
+        Pose { rotation: rotation.to_quat(), translation: translation.into() }
+    }
+
+    fn check(&self, at: &At) -> Checked {
+        check_source(at, self.map.is_some(), self.mesh.is_some(), &self.bake)?;
+        let plain = |c: char| c.is_alphanumeric() || " _-.+".contains(c);
+        let usable = self.name.chars().all(plain) && !self.name.starts_with('.') && self.name.len() <= 100;
+        at.require("name", usable, || "use letters, digits, spaces and _-.+: outputs are named so".into())?;
+        at.vector("translation", self.translation)?;
+        self.rotation.check(&at.key("rotation"))?;
+        self.motion.check(&at.key("motion"))?;
+        if matches!(self.motion, Motion::Keyframes(_)) {
+            let own = self.translation != [0.0; 3] || self.rotation != Rotation::default();
+            at.require("motion", !own, || {
+                "keyframes say where the body is; leave out its own translation and rotation".into()
+            })?;
+        }
+        if self.bake.invert && matches!(self.motion, Motion::Free(_)) {
+            return Err(at.problem("motion", "a container without an outside has no mass: it can't be free"));
+        }
+        self.material.check(&at.key("material"))?;
+        let mut channels = self.colour.iter().flatten();
+        channels.try_for_each(|&channel| at.within("colour", channel, [0.0, 1.0]))
+    }
+}
+
+pub(super) fn check_all(at: &At, bodies: &[Body]) -> Checked {
+    for (i, body) in bodies.iter().enumerate() {
+        body.check(&at.item(i))?;
+        let same = bodies[..i].iter().position(|other| !body.name.is_empty() && other.name == body.name);
+        if let Some(other) = same {
+            return Err(at
+                .item(i)
+                .problem("name", format!("{:?} is that of bodies[{other}] too", body.name)));
+        }
+    }
+    Ok(())
+}
+
+/// Names of all bodies: their own, or their files' with a number where that is needed.
+pub fn names(bodies: &[Body]) -> Vec<String> {
+    let mut out: Vec<String> = Vec::new();
+    let given: Vec<&str> = bodies.iter().map(|body| body.name.as_str()).collect();
+    for body in bodies {
+        let stem = body.source().and_then(|source| source.path().file_stem());
+        let stem = stem.map_or("body".into(), |stem| stem.to_string_lossy());
+        let numbered = (1..).map(|n| if n == 1 { stem.to_string() } else { format!("{stem} {n}") });
+        let mut free = numbered.filter(|name| !out.contains(name) && !given.contains(&name.as_str()));
+        let name = if body.name.is_empty() { free.next().unwrap_or_default() } else { body.name.clone() };
+        out.push(name);
+    }
+    out
+}
+
+pub(super) fn check_source(at: &At, map: bool, mesh: bool, bake: &Bake) -> Checked {
+    match (map, mesh) {
+        (false, false) => {
+            return Err(at.problem_here("give `map`, an asset, or `mesh`, a mesh that is baked"));
+        }
+        (true, true) => return Err(at.problem("mesh", "give `map` or `mesh`, not both")),
+        (true, false) if *bake != Bake::default() => {
+            return Err(at.problem("bake", "is for meshes; `map` is baked already"));
+        }
+        _ => {}
+    }
+    let at = at.key("bake");
+    if let Some(unit) = bake.unit {
+        at.positive("unit", unit)?;
+    }
+    for scale in bake.scale.iter().flat_map(|scale| scale.0) {
+        at.finite("scale", scale)?;
+        at.require("scale", scale != 0.0, || "is 0".into())?;
+    }
+    at.finite("thickness", bake.thickness)?;
+    if let Some(cells) = bake.resolution {
+        at.require("resolution", cells.0.iter().all(|&n| n > 0), || "has no cells".into())?;
+        at.require("cell_size", bake.cell_size.is_none(), || "give this or `resolution`, not both".into())?;
+    }
+    bake.cell_size.map_or(Ok(()), |edge| at.positive("cell_size", edge))
+}
+
+impl Motion {
+    fn check(&self, at: &At) -> Checked {
+        match self {
+            Motion::Static => Ok(()),
+            Motion::Keyframes(frames) => check_frames(&at.key("keyframes"), frames),
+            Motion::Spin(spin) => {
+                let at = at.key("spin");
+                at.direction("axis", spin.axis)?;
+                at.finite("rpm", spin.rpm)?;
+                spin.centre.map_or(Ok(()), |centre| at.vector("centre", centre))
+            }
+            Motion::Free(free) => free.check(&at.key("free")),
+        }
+    }
+}
+
+fn check_frames(at: &At, frames: &[Keyframe]) -> Checked {
+    if frames.is_empty() {
+        return Err(at.problem_here("there are none; give one at least, or motion = \"static\""));
+    }
+    for (i, frame) in frames.iter().enumerate() {
+        let at = at.item(i);
+        at.not_negative("time", frame.time)?;
+        at.vector("translation", frame.translation)?;
+        frame.rotation.check(&at.key("rotation"))?;
+        let before = i.checked_sub(1).map_or(f64::NEG_INFINITY, |before| frames[before].time);
+        at.require("time", frame.time > before, || {
+            format!("{} s is not after the frame before, {before} s", frame.time)
+        })?;
+    }
+    Ok(())
+}
+
+impl FreeMotion {
+    fn check(&self, at: &At) -> Checked {
+        at.vector("velocity", self.velocity)?;
+        at.vector("angular_velocity", self.angular_velocity)?;
+        match (self.density, self.mass) {
+            (Some(density), None) => at.positive("density", density),
+            (None, Some(mass)) => at.positive("mass", mass),
+            _ => Err(at.problem_here("give `density` (kg/m^3) or `mass` (kg)")),
+        }
+    }
+}

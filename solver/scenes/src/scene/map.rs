@@ -1,0 +1,294 @@
+//! From a body's file to its volume map: opened, or baked on first use and kept in a cache.
+
+use super::body::{Bake, Body, Source, Up};
+use crate::error::Error;
+use crate::output::io_error;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use volmap_bake::bake::{BakeSettings, bake};
+use volmap_bake::content_key;
+use volmap_bake::density_map::DensitySettings;
+use volmap_bake::input::{Input, InputSettings};
+use volmap_bake::plan::{GridChoice, Settings};
+use volmap_bake::recipe::Recipe;
+use volmap_fluid::boundary::density_map;
+use volmap_fluid::boundary::volume_map::{cell_size, cell_size_of_turning};
+use volmap_fluid::settings::{BoundaryMethod, World};
+use volmap_formats::asset::{self, Compression, Exterior};
+use volmap_formats::mesh::{Placement, TriangleMesh, UpAxis};
+use volmap_runtime::{ClosureKind, Dimension, KernelKind, VolumeMap};
+
+/// Part by which a map's support radius may differ from the scene's: other programs store it in single
+/// precision.
+const SAME_RADIUS: f64 = 1e-6;
+
+/// A map and, if it comes from one, its mesh.
+#[derive(Clone, Debug)]
+pub struct Shape {
+    /// The map, in the body's frame.
+    pub map: Arc<VolumeMap>,
+    /// The mesh as it was baked: scaled, triangles the right way round.
+    pub mesh: Option<Arc<TriangleMesh>>,
+    /// Where the map comes from.
+    pub origin: Origin,
+    /// BLAKE3 of the map's bytes, or of the content key of the mesh and its bake.
+    pub content: [u8; 32],
+}
+
+/// Where a map comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Origin {
+    /// An asset that the scene names.
+    Asset,
+    /// Baked before.
+    Cache,
+    /// Baked now.
+    Baked,
+}
+
+/// Opens and bakes what a scene needs, each once.
+pub struct Library<'a> {
+    closure: ClosureKind,
+    /// That of the maps, metres.
+    support_radius: f64,
+    /// Edge of their cells by default, metres.
+    cell_size: f64,
+    /// The same of bodies that turn.
+    cell_size_of_turning: f64,
+    /// The kernel whose density bodies need in their maps, if they need one.
+    density: Option<KernelKind>,
+    cache: PathBuf,
+    shapes: Vec<(String, Shape)>,
+    /// What went wrong without harm.
+    pub notes: Vec<String>,
+    on_bake: &'a mut dyn FnMut(&Path),
+}
+
+/// Where baked maps are kept if the scene doesn't say: `volmap` in the user's cache folder.
+pub fn default_cache() -> PathBuf {
+    let folder = |name: &str| std::env::var_os(name).map(PathBuf::from).filter(|path| path.is_absolute());
+    let home =
+        || Some(folder("HOME")?.join(if cfg!(target_os = "macos") { "Library/Caches" } else { ".cache" }));
+    let found = folder("XDG_CACHE_HOME").or_else(|| folder("LOCALAPPDATA")).or_else(home);
+    found.unwrap_or_else(std::env::temp_dir).join("volmap")
+}
+
+impl<'a> Library<'a> {
+    /// Nothing opened yet; maps are those that the world's boundary method takes, and kept in `cache`. `on_bake` is called
+    /// with the mesh before each bake, which may take seconds.
+    pub fn new(world: &World, cache: PathBuf, on_bake: &'a mut dyn FnMut(&Path)) -> Library<'a> {
+        let density = (world.boundary == BoundaryMethod::DensityMap).then_some(world.kernel);
+        let closure = world.map_closure();
+        Library {
+            closure,
+            support_radius: closure.map_radius(world.support_radius),
+            cell_size: cell_size(closure, world.support_radius),
+            cell_size_of_turning: cell_size_of_turning(closure, world.support_radius),
+            density,
+            cache,
+            shapes: Vec::new(),
+            notes: Vec::new(),
+            on_bake,
+        }
+    }
+
+    /// The body with the cells that its map needs, if it leaves them open.
+    pub fn with_cells(&self, body: &Body) -> Body {
+        let mut body = body.clone();
+        if body.turns() && body.bake.resolution.is_none() && body.bake.cell_size.is_none() {
+            body.bake.cell_size = Some(self.cell_size_of_turning);
+        }
+        body
+    }
+
+    /// The map of a source; `key` is the scene's name for it, as `bodies[0]`. The same source gives the same
+    /// map.
+    ///
+    /// # Errors
+    /// A file that is missing or can't be used; a mesh that can't be baked.
+    pub fn obtain(&mut self, source: Source, key: &str) -> Result<Shape, Error> {
+        self.obtain_with(source, key, None)
+    }
+
+    fn obtain_with(
+        &mut self,
+        source: Source,
+        key: &str,
+        density: Option<KernelKind>,
+    ) -> Result<Shape, Error> {
+        let path = source.path();
+        if !path.is_file() {
+            let what = if matches!(source, Source::Map(_)) { "map" } else { "mesh" };
+            let reason = format!("there is no file {}; paths are relative to the scene file", path.display());
+            return Err(Error::Scene { place: format!("{key}.{what}"), reason });
+        }
+        let identity = format!("{source:?} {density:?}");
+        if let Some((_, shape)) = self.shapes.iter().find(|(name, _)| *name == identity) {
+            return Ok(shape.clone());
+        }
+        let shape = match source {
+            Source::Map(path) => open_asset(path)?,
+            Source::Mesh(path, settings) => self.bake_or_open(path, settings, density)?,
+        };
+        self.shapes.push((identity, shape.clone()));
+        Ok(shape)
+    }
+
+    /// The same for a body: its map must have the support radius that the closure takes.
+    ///
+    /// # Errors
+    /// As [`Library::obtain`], and a map of another radius, or without the density that is needed.
+    pub fn obtain_for_body(&mut self, source: Source, key: &str) -> Result<Shape, Error> {
+        let shape = self.obtain_with(source, key, self.density)?;
+        let (has, needs) = (shape.map.support_radius(), self.support_radius);
+        if (has - needs).abs() <= SAME_RADIUS * needs {
+            self.note_coarse_cells(source.path(), &shape.map);
+            return self.with_density(shape, source, key);
+        }
+        let file = source.path().display();
+        let invert = if shape.map.exterior() == Exterior::Solid { " --invert" } else { "" };
+        let reason = format!(
+            "{file} was baked for a support radius of {has} m, but closure `{}` takes one of {needs} m here; bake its mesh \
+             again: volmap bake MESH -o {file} --support-radius {needs}{invert}, or name the mesh in the scene instead",
+            self.closure
+        );
+        Err(Error::Scene { place: format!("{key}.map"), reason })
+    }
+
+    /// The shape, if its map has the density that bodies need.
+    fn with_density(&self, shape: Shape, source: Source, key: &str) -> Result<Shape, Error> {
+        let Some(kernel) = self.density else { return Ok(shape) };
+        let Some(defect) = density_map::defect(shape.map.density_kernel(), kernel) else { return Ok(shape) };
+        let file = source.path().display();
+        let invert = if shape.map.exterior() == Exterior::Solid { " --invert" } else { "" };
+        let name = density_map::smoothing(kernel).unwrap_or_default();
+        let reason = format!(
+            "{file} can't be used with boundary = \"density_map\": {defect}; name the mesh in the scene instead, or bake it \
+             again: volmap bake MESH -o {file} --support-radius {}{invert} --density --kernel {name} (its gamma ends at r, \
+             as in the paper, and the fluid keeps farther from walls)",
+            self.support_radius
+        );
+        Err(Error::Scene { place: format!("{key}.map"), reason })
+    }
+
+    fn note_coarse_cells(&mut self, path: &Path, map: &VolumeMap) {
+        let (cell, most) = (map.grid().cell_size.max_element(), COARSE * self.cell_size);
+        if map.exterior() == Exterior::Solid && cell > most {
+            self.notes.push(format!(
+                "{}: cells of {cell} m are coarse for a container: where walls meet, particles find them up to {:.3} m too \
+                 near; bake with cells of a quarter of the support radius",
+                path.display(),
+                0.25 * cell
+            ));
+        }
+    }
+
+    fn bake_or_open(
+        &mut self,
+        path: &Path,
+        settings: &Bake,
+        density: Option<KernelKind>,
+    ) -> Result<Shape, Error> {
+        let recipe = Recipe {
+            input: input_settings(settings),
+            bake: self.bake_settings(settings, density),
+            compression: Compression::default(),
+        };
+        let identity = content_key::identify(path, recipe.effective())?;
+        let mut input = content_key::load(path, &recipe, &identity)?;
+        let (key, baking) = (identity.key, recipe.bake);
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+        let cached = self.cache.join(format!("{stem}-{}.h5", &key[..24]));
+        let opened = cached.is_file().then(|| VolumeMap::open(&cached).ok()).flatten();
+        let (map, origin) = match opened {
+            Some(map) => (map, Origin::Cache),
+            None => (self.baked(path, &cached, input.clone(), &baking)?, Origin::Baked),
+        };
+        volmap_bake::mesh::prepare(&mut input.mesh, baking.keep_orientation);
+        let content = *blake3::hash(key.as_bytes()).as_bytes();
+        Ok(Shape { map: Arc::new(map), mesh: Some(Arc::new(input.mesh)), origin, content })
+    }
+
+    /// Bakes, and keeps what came of it if it can.
+    fn baked(
+        &mut self,
+        path: &Path,
+        cached: &Path,
+        input: Input,
+        settings: &BakeSettings,
+    ) -> Result<VolumeMap, Error> {
+        (self.on_bake)(path);
+        let baked =
+            bake(input, settings, &mut |_| (), &mut |_| ()).map_err(|error| cannot_bake(path, error))?;
+        let notes = baked.summary.warnings.iter().map(|warning| format!("{}: {warning}", path.display()));
+        self.notes.extend(notes);
+        let kept = std::fs::create_dir_all(&self.cache).map_err(|error| error.to_string());
+        let kept = kept.and_then(|()| {
+            asset::write(cached, &baked.asset, Compression::default()).map_err(|error| error.to_string())
+        });
+        if let Err(error) = kept {
+            self.notes.push(format!("{}: the map is not kept in the cache: {error}", path.display()));
+        }
+        Ok(VolumeMap::from_asset(&baked.asset)?)
+    }
+
+    fn bake_settings(&self, settings: &Bake, density: Option<KernelKind>) -> BakeSettings {
+        let grid = match (settings.resolution, settings.cell_size) {
+            (Some(cells), _) => GridChoice::Resolution(cells.0),
+            (None, Some(edge)) => GridChoice::CellSize(edge),
+            (None, None) => GridChoice::CellSize(self.cell_size),
+        };
+        let map = Settings {
+            support_radius: Some(self.support_radius),
+            grid,
+            invert: settings.invert,
+            thickness: settings.thickness,
+            density: density.and_then(density_map::smoothing).map(|kernel| DensitySettings {
+                kernel,
+                extension: density_map::EXTENSION,
+                ..DensitySettings::default()
+            }),
+            ..Settings::default()
+        };
+        BakeSettings { map, ..BakeSettings::default() }
+    }
+}
+
+/// Containers with cells so many times larger are worth a note.
+const COARSE: f64 = 1.2;
+
+/// Errors of settings don't say which mesh they are about.
+fn cannot_bake(path: &Path, error: volmap_bake::Error) -> Error {
+    match error {
+        volmap_bake::Error::Setting { .. } | volmap_bake::Error::Memory { .. } => {
+            Error::Scene { place: path.display().to_string(), reason: format!("can't be baked: {error}") }
+        }
+        other => Error::Bake(other),
+    }
+}
+
+fn input_settings(settings: &Bake) -> InputSettings {
+    let up_axis = match settings.up {
+        Up::X => UpAxis::X,
+        Up::Y => UpAxis::Y,
+        Up::Z => UpAxis::Z,
+    };
+    let scale = settings.scale.map_or([1.0; 3], |scale| scale.0);
+    InputSettings {
+        unit: settings.unit,
+        placement: Placement { up_axis, scale, ..Placement::default() },
+        ..InputSettings::default()
+    }
+}
+
+fn open_asset(path: &Path) -> Result<Shape, Error> {
+    let bytes = std::fs::read(path).map_err(io_error(path))?;
+    let content = *blake3::hash(&bytes).as_bytes();
+    let in_file = |source| volmap_runtime::Error::InFile { path: path.to_owned(), source: Box::new(source) };
+    let map = VolumeMap::from_bytes(bytes).map_err(in_file)?;
+    if map.dimension() == Dimension::Two {
+        let reason = "it is a map in two dimensions, and scenes are in three; bake a mesh: volmap bake MESH";
+        return Err(Error::Scene { place: path.display().to_string(), reason: reason.into() });
+    }
+    Ok(Shape { map: Arc::new(map), mesh: None, origin: Origin::Asset, content })
+}
