@@ -15,7 +15,7 @@ struct Bars {
     all: MultiProgress,
     /// In thousandths of a second of estimated work.
     overall: ProgressBar,
-    seats: Vec<ProgressBar>,
+    slots: Vec<ProgressBar>,
     assets: usize,
     done: usize,
 }
@@ -69,7 +69,7 @@ impl Bars {
         overall.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
         overall.set_message("comparing");
         overall.enable_steady_tick(Duration::from_millis(200));
-        Bars { all, overall, seats: Vec::new(), assets: 0, done: 0 }
+        Bars { all, overall, slots: Vec::new(), assets: 0, done: 0 }
     }
 
     fn event(&mut self, event: &Event) {
@@ -83,14 +83,14 @@ impl Bars {
                 self.overall.reset_eta();
                 self.count(0, 0.0);
             }
-            Event::Begun { seat, name } => self.seat(*seat).set_message((*name).to_owned()),
-            Event::Step { seat, name, step } => self.seat(*seat).set_message(format!("{name}: {step}")),
-            Event::Finished { seat, report } => {
+            Event::Started { slot, name } => self.slot(*slot).set_message((*name).to_owned()),
+            Event::Step { slot, name, step } => self.slot(*slot).set_message(format!("{name}: {step}")),
+            Event::Finished { slot, report } => {
                 // Others are settled before the work begins.
-                let seconds = seat.and(report.estimated_seconds);
+                let seconds = slot.and(report.estimated_seconds);
                 self.count(1, seconds.unwrap_or(0.0));
-                if let Some(seat) = seat {
-                    self.seat(*seat).set_message("");
+                if let Some(slot) = slot {
+                    self.slot(*slot).set_message("");
                 }
             }
         }
@@ -102,14 +102,14 @@ impl Bars {
         self.overall.set_message(format!("{} of {}", self.done, self.assets));
     }
 
-    fn seat(&mut self, seat: usize) -> &ProgressBar {
-        while self.seats.len() <= seat {
+    fn slot(&mut self, slot: usize) -> &ProgressBar {
+        while self.slots.len() <= slot {
             let bar = self.all.add(ProgressBar::new_spinner());
             bar.set_style(
                 ProgressStyle::with_template("  {msg}").unwrap_or_else(|_| ProgressStyle::default_bar()),
             );
-            self.seats.push(bar);
+            self.slots.push(bar);
         }
-        &self.seats[seat]
+        &self.slots[slot]
     }
 }

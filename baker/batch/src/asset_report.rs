@@ -1,17 +1,17 @@
 //! What came of an asset, as the summary has it.
 
-use super::engine::Entry;
-use super::job::Made;
+use super::item::BatchItem;
+use super::job::MakeResult;
 use super::places::{Places, names};
 use super::state::{Action, Kept};
 use super::summary::{AssetReport, Outcome};
 
 /// Without a word on what came of it.
-pub fn blank(entry: &Entry, outcome: Outcome) -> AssetReport {
-    let asset = entry.asset;
+pub fn blank(item: &BatchItem, outcome: Outcome) -> AssetReport {
+    let asset = item.asset;
     AssetReport {
         name: asset.name.clone(),
-        position: entry.position,
+        position: item.position,
         mesh: asset.mesh_name.clone(),
         output: names(&asset.name, false).asset,
         tags: asset.tags.clone(),
@@ -19,8 +19,8 @@ pub fn blank(entry: &Entry, outcome: Outcome) -> AssetReport {
         reason: String::new(),
         error: None,
         failed_gates: Vec::new(),
-        identity: entry.decision.identity.clone(),
-        estimated_seconds: entry.cost().map(|cost| cost.seconds),
+        identity: item.decision.identity.clone(),
+        estimated_seconds: item.cost().map(|cost| cost.seconds),
         seconds: None,
         threads: None,
         peak_memory: None,
@@ -33,18 +33,18 @@ pub fn blank(entry: &Entry, outcome: Outcome) -> AssetReport {
 }
 
 /// One that can't be made.
-pub fn failed(entry: &Entry, error: String) -> AssetReport {
-    let reason = match &entry.decision.action {
+pub fn failed(item: &BatchItem, error: String) -> AssetReport {
+    let reason = match &item.decision.action {
         Action::Make(reason, _) => reason.clone(),
         _ => String::new(),
     };
-    AssetReport { reason, error: Some(error), ..blank(entry, Outcome::Failed) }
+    AssetReport { reason, error: Some(error), ..blank(item, Outcome::Failed) }
 }
 
 /// An asset that was made, where its files lie.
-pub fn made(entry: &Entry, result: Made, threads: usize, places: &Places) -> AssetReport {
-    let Action::Make(reason, _) = &entry.decision.action else { unreachable!("only these are made") };
-    let name = &entry.asset.name;
+pub fn made(item: &BatchItem, result: MakeResult, threads: usize, places: &Places) -> AssetReport {
+    let Action::Make(reason, _) = &item.decision.action else { unreachable!("only these are made") };
+    let name = &item.asset.name;
     let outcome = match (&result.from, result.failed_gates.is_empty()) {
         (_, false) => Outcome::Rejected,
         (Some(from), true) if *from == places.out.join(names(name, false).asset) => Outcome::Unchanged,
@@ -65,22 +65,22 @@ pub fn made(entry: &Entry, result: Made, threads: usize, places: &Places) -> Ass
         bytes: Some(result.bytes),
         file_blake3: Some(result.file_blake3),
         figures: Some(result.figures),
-        ..placed(entry, outcome, outcome == Outcome::Rejected)
+        ..placed(item, outcome, outcome == Outcome::Rejected)
     }
 }
 
-fn placed(entry: &Entry, outcome: Outcome, is_rejected: bool) -> AssetReport {
-    let names = names(&entry.asset.name, is_rejected);
+fn placed(item: &BatchItem, outcome: Outcome, is_rejected: bool) -> AssetReport {
+    let names = names(&item.asset.name, is_rejected);
     AssetReport {
         output: names.asset,
         preview: Some(names.preview),
-        report: entry.asset.report.then_some(names.report),
-        ..blank(entry, outcome)
+        report: item.asset.report.then_some(names.report),
+        ..blank(item, outcome)
     }
 }
 
 /// An asset that stays as it is.
-pub fn kept(entry: &Entry, found: &Kept, record: Option<&AssetReport>) -> AssetReport {
+pub fn kept(item: &BatchItem, found: &Kept, record: Option<&AssetReport>) -> AssetReport {
     let outcome = if found.failed_gates.is_empty() { Outcome::Unchanged } else { Outcome::Rejected };
     // Times are those of the same file.
     let record = record.filter(|record| record.file_blake3.as_ref() == Some(&found.file_blake3));
@@ -94,6 +94,6 @@ pub fn kept(entry: &Entry, found: &Kept, record: Option<&AssetReport>) -> AssetR
         bytes: Some(found.bytes),
         file_blake3: Some(found.file_blake3.clone()),
         figures: Some(found.figures.clone()),
-        ..placed(entry, outcome, found.is_rejected)
+        ..placed(item, outcome, found.is_rejected)
     }
 }

@@ -1,13 +1,13 @@
 //! A batch before it is run: what would be made, and what it would cost.
 
 use super::assets::Expanded;
-use super::crew::Crew;
-use super::engine::{Settings, decisions};
 use super::estimates::{Estimates, estimates, own_part, within};
 use super::job::Cost;
 use super::journal::past;
-use super::schedule::{Schedule, Turn};
-use super::state::Action;
+use super::pool::WorkerPool;
+use super::queue::{Assignment, JobQueue};
+use super::settings::BatchSettings;
+use super::state::{Action, decisions};
 use crate::error::Error;
 use serde_json::{Value, json};
 use std::sync::atomic::AtomicBool;
@@ -48,17 +48,17 @@ impl Check {
     }
 }
 
-/// Looks at everything and makes nothing.
+/// A dry run: compares and estimates everything, and makes nothing.
 ///
 /// # Errors
 /// A worker that can't be started.
-pub fn check(expanded: &Expanded, settings: &Settings, stop: &AtomicBool) -> Result<Check, Error> {
+pub fn check(expanded: &Expanded, settings: &BatchSettings, stop: &AtomicBool) -> Result<Check, Error> {
     let own: Estimates = match settings.shard {
         Some(shard) => own_part(&expanded.assets, shard, settings, stop)?,
         None => {
             let all: Vec<_> = expanded.assets.iter().enumerate().collect();
-            let mut crew = Crew::new(&settings.worker, settings.jobs, settings.max_memory, stop);
-            let mut found = estimates(&all, settings, &mut crew)?;
+            let mut pool = WorkerPool::new(&settings.worker, settings.jobs, settings.max_memory, stop);
+            let mut found = estimates(&all, settings, &mut pool)?;
             found.sort_by_key(|(index, _)| *index);
             found
         }
@@ -81,21 +81,21 @@ pub fn check(expanded: &Expanded, settings: &Settings, stop: &AtomicBool) -> Res
     Ok(Check { assets, seconds, memory, files: to_make.iter().map(|cost| cost.file).sum() })
 }
 
-/// Wall time and memory of a schedule, if the estimates were exact and threads didn't hinder each other.
-fn simulate(costs: &[Cost], settings: &Settings) -> (f64, u64) {
+/// Wall time and memory of the queue, if the estimates were exact and threads didn't hinder each other.
+fn simulate(costs: &[Cost], settings: &BatchSettings) -> (f64, u64) {
     let numbered: Vec<(usize, Cost)> = costs.iter().copied().enumerate().collect();
-    let mut schedule = Schedule::new(&numbered, settings.jobs, settings.threads, settings.max_memory);
-    let mut running: Vec<(f64, Turn)> = Vec::new();
+    let mut queue = JobQueue::new(&numbered, settings.jobs, settings.threads, settings.max_memory);
+    let mut running: Vec<(f64, Assignment)> = Vec::new();
     let (mut now, mut most) = (0.0, 0);
     loop {
-        while let Some(turn) = schedule.take() {
-            running.push((now + costs[turn.index].seconds / turn.threads as f64, turn));
+        while let Some(job) = queue.take() {
+            running.push((now + costs[job.index].seconds / job.threads as f64, job));
         }
-        most = most.max(running.iter().map(|(_, turn)| turn.memory).sum());
+        most = most.max(running.iter().map(|(_, job)| job.memory).sum());
         let first = running.iter().enumerate().min_by(|(_, a), (_, b)| a.0.total_cmp(&b.0));
         let Some(first) = first.map(|(at, _)| at) else { return (now, most) };
-        let (end, turn) = running.swap_remove(first);
+        let (end, job) = running.swap_remove(first);
         now = end;
-        schedule.finished(&turn);
+        queue.release(&job);
     }
 }

@@ -1,6 +1,6 @@
 //! What an asset will cost, before it is made: for the order of a batch, its memory, its shards, and `--check`.
 
-use super::job::{Cost, Subject};
+use super::job::{BakeInput, Cost};
 use crate::error::Error;
 use volmap_bake::input::{self, bounds};
 use volmap_bake::mesh::prepare;
@@ -26,9 +26,9 @@ const NODES_PER_CELL: f64 = 7.5;
 ///
 /// # Errors
 /// A mesh that can't be read, or settings that can't be used with it.
-pub fn cost(subject: &Subject, max_memory: u64) -> Result<Cost, Error> {
-    let recipe = subject.parameters.recipe();
-    let mut mesh = input::load(&subject.mesh, &recipe.input)?.mesh;
+pub fn cost(source: &BakeInput, max_memory: u64) -> Result<Cost, Error> {
+    let recipe = source.parameters.recipe();
+    let mut mesh = input::load(&source.mesh, &recipe.input)?.mesh;
     let diagnosis = prepare(&mut mesh, recipe.bake.keep_orientation).diagnosis;
     let [min, max] = bounds(&mesh);
     let mut settings = recipe.bake.map.clone();
@@ -44,7 +44,7 @@ pub fn cost(subject: &Subject, max_memory: u64) -> Result<Cost, Error> {
         seconds: SECONDS_PER_ASSET
             + map_seconds
             + triangles as f64 * SECONDS_PER_TRIANGLE
-            + f64::from(subject.error_points) * SECONDS_PER_ERROR_POINT,
+            + f64::from(source.error_points) * SECONDS_PER_ERROR_POINT,
         memory: planned.estimate.memory + triangles as u64 * BYTES_PER_TRIANGLE + LEAST_MEMORY,
         file: (nodes * fields * settings.precision.bytes() as f64 * COMPRESSED) as u64,
     })

@@ -1,10 +1,10 @@
 //! Costs of many assets, found by the workers; and the part of a batch that is a shard's.
 
 use super::assets::PlannedAsset;
-use super::crew::{Crew, Foreman};
-use super::engine::Settings;
-use super::job::{Cost, Job, Reply, Subject, Task};
-use super::schedule::{Schedule, Turn};
+use super::job::{BakeInput, Cost, Job, Reply, Task};
+use super::pool::{JobHandler, WorkerPool};
+use super::queue::{Assignment, JobQueue};
+use super::settings::BatchSettings;
 use super::shard::partition;
 use super::summary::Shard;
 use crate::error::Error;
@@ -16,14 +16,14 @@ const MEMORY_PER_BYTE: u64 = 8;
 /// Costs by index, or why there is none.
 pub type Estimates = Vec<(usize, Result<Cost, String>)>;
 
-/// Estimates what assets cost. Those that had no turn before the crew was stopped are left out.
+/// Estimates what assets cost. Those that had no assignment before the pool was stopped are left out.
 ///
 /// # Errors
 /// A worker that can't be started.
 pub fn estimates(
     assets: &[(usize, &PlannedAsset)],
-    settings: &Settings,
-    crew: &mut Crew,
+    settings: &BatchSettings,
+    pool: &mut WorkerPool,
 ) -> Result<Estimates, Error> {
     // The largest files first.
     let size = |asset: &PlannedAsset| std::fs::metadata(&asset.mesh).map_or(0, |found| found.len());
@@ -36,30 +36,30 @@ pub fn estimates(
         assets.iter().enumerate().map(|(at, (_, asset))| (at, cost(size(asset)))).collect();
     // One thread reads a mesh.
     let jobs = settings.jobs.min(settings.threads);
-    let mut schedule = Schedule::new(&costs, jobs, jobs, settings.max_memory);
+    let mut queue = JobQueue::new(&costs, jobs, jobs, settings.max_memory);
     let mut estimator =
         Estimator { assets, timeout: settings.timeout, found: Vec::new(), all_or_none: false };
-    crew.work(&mut schedule, &mut estimator)?;
+    pool.run(&mut queue, &mut estimator)?;
     Ok(estimator.found)
 }
 
-/// A shard's assets, in their order, and what they cost. Every machine finds the same: nothing is limited here, and a worker that ends is
-/// an error.
+/// A shard's assets, in their order, and what they cost. Every machine finds the same: nothing is limited here, and a
+/// worker that ends is an error.
 ///
 /// # Errors
 /// As [`estimates`]; a worker that ended; a batch that was stopped.
 pub fn own_part(
     assets: &[PlannedAsset],
     shard: Shard,
-    settings: &Settings,
+    settings: &BatchSettings,
     stop: &AtomicBool,
 ) -> Result<Estimates, Error> {
     let all: Vec<(usize, &PlannedAsset)> = assets.iter().enumerate().collect();
     let jobs = settings.jobs.min(settings.threads);
     let costs: Vec<(usize, Cost)> = all.iter().map(|(at, _)| (*at, Cost::default())).collect();
-    let mut schedule = Schedule::new(&costs, jobs, jobs, 0);
+    let mut queue = JobQueue::new(&costs, jobs, jobs, 0);
     let mut estimator = Estimator { assets: &all, timeout: None, found: Vec::new(), all_or_none: true };
-    Crew::new(&settings.worker, jobs, u64::MAX, stop).work(&mut schedule, &mut estimator)?;
+    WorkerPool::new(&settings.worker, jobs, u64::MAX, stop).run(&mut queue, &mut estimator)?;
     if estimator.found.len() < assets.len() {
         return Err(Error::setting("--shard", "the batch was stopped before its parts were found"));
     }
@@ -79,15 +79,20 @@ struct Estimator<'a> {
     all_or_none: bool,
 }
 
-impl Foreman for Estimator<'_> {
-    fn job(&mut self, turn: &Turn) -> (Job, Option<f64>) {
-        let asset = self.assets[turn.index].1;
-        let job = Job { task: Task::Estimate(Box::new(subject(asset))), threads: turn.threads };
+impl JobHandler for Estimator<'_> {
+    fn job(&mut self, assignment: &Assignment) -> (Job, Option<f64>) {
+        let asset = self.assets[assignment.index].1;
+        let job = Job { task: Task::Estimate(Box::new(bake_input(asset))), threads: assignment.threads };
         (job, asset.timeout.or(self.timeout).filter(|_| !self.all_or_none))
     }
 
-    fn done(&mut self, _: usize, turn: &Turn, reply: Result<Reply, String>) -> Result<bool, Error> {
-        let (index, asset) = self.assets[turn.index];
+    fn finished(
+        &mut self,
+        _: usize,
+        assignment: &Assignment,
+        reply: Result<Reply, String>,
+    ) -> Result<bool, Error> {
+        let (index, asset) = self.assets[assignment.index];
         let cost = match reply {
             Ok(Reply::Estimated(cost)) => Ok(cost),
             Ok(Reply::Failed { error, .. }) => Err(error),
@@ -116,8 +121,8 @@ pub fn within(estimate: &Result<Cost, String>, allowed: u64) -> Result<Cost, Str
 }
 
 /// The mesh of an asset, and how it becomes one.
-pub fn subject(asset: &PlannedAsset) -> Subject {
-    Subject {
+pub fn bake_input(asset: &PlannedAsset) -> BakeInput {
+    BakeInput {
         mesh: asset.mesh.clone(),
         parameters: asset.parameters.clone(),
         error_points: asset.error_points,

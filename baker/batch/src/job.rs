@@ -1,4 +1,4 @@
-//! What a batch and its workers say to each other, a line of JSON each: jobs one way, replies the other.
+//! The protocol between a batch and its workers, a line of JSON each: jobs one way, replies the other.
 
 use super::manifest::Gates;
 use super::summary::Figures;
@@ -10,24 +10,24 @@ use volmap_bake::parameters::Parameters;
 /// Something for a worker to do.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Job {
-    /// What.
+    /// What to do.
     pub task: Task,
-    /// With so many threads.
+    /// Threads that it may use.
     pub threads: usize,
 }
 
 /// What a worker can do.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub enum Task {
-    /// Find what an asset will cost.
-    Estimate(Box<Subject>),
+    /// Estimate the cost of an asset.
+    Estimate(Box<BakeInput>),
     /// Make an asset and all that belongs to it.
-    Make(Box<Order>),
+    Make(Box<MakeTask>),
 }
 
-/// A mesh and how it becomes an asset.
+/// A mesh, and the parameters of its bake.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Subject {
+pub struct BakeInput {
     /// The mesh file.
     pub mesh: PathBuf,
     /// Effective parameters.
@@ -38,35 +38,35 @@ pub struct Subject {
 
 /// An asset to be made.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Order {
-    /// Of what.
-    pub subject: Subject,
-    /// What its bytes follow from.
+pub struct MakeTask {
+    /// The mesh, and the parameters of its bake.
+    pub input: BakeInput,
+    /// The content key, and what it is made of.
     pub identity: Identity,
-    /// What it must be to be taken.
+    /// Quality gates that it must pass.
     pub gates: Gates,
     /// Bytes that the bake's estimate may reach.
     pub max_memory: u64,
     /// Files that may hold the same asset.
     pub candidates: Vec<PathBuf>,
-    /// Where things go.
-    pub files: Files,
+    /// Where its files go.
+    pub files: OutputFiles,
 }
 
-/// Where an asset and what belongs to it go; folders are made when they are needed.
+/// Where an asset, its picture and its report go; folders are made when they are needed.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Files {
+pub struct OutputFiles {
     /// If it is good.
-    pub good: Lot,
+    pub good: AssetFiles,
     /// If a gate refuses it.
-    pub rejected: Lot,
+    pub rejected: AssetFiles,
     /// The asset's place in the cache, if there is one.
     pub cached: Option<PathBuf>,
 }
 
-/// An asset and what belongs to it.
+/// Files of an asset.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Lot {
+pub struct AssetFiles {
     /// The asset.
     pub asset: PathBuf,
     /// Its picture.
@@ -75,8 +75,8 @@ pub struct Lot {
     pub report: Option<PathBuf>,
 }
 
-impl Lot {
-    /// Removes what of it is there, if it can.
+impl AssetFiles {
+    /// Removes those that are there, if it can.
     pub fn forget(&self) {
         self.all().iter().for_each(|file| _ = std::fs::remove_file(file));
     }
@@ -88,15 +88,15 @@ impl Lot {
     }
 }
 
-/// What a worker says.
+/// A worker's answer to a job.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub enum Reply {
-    /// A step of the job begins.
+    /// A step of the job starts; more replies follow.
     Step(String),
     /// The cost.
     Estimated(Cost),
     /// The asset lies where it should.
-    Made(Box<Made>),
+    Made(Box<MakeResult>),
     /// The job failed.
     Failed {
         /// Why.
@@ -106,7 +106,7 @@ pub enum Reply {
     },
 }
 
-/// What an asset costs, about.
+/// Estimated cost of an asset.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Cost {
     /// Seconds on one thread.
@@ -117,9 +117,9 @@ pub struct Cost {
     pub file: u64,
 }
 
-/// What came of an order.
+/// The result of a [`MakeTask`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Made {
+pub struct MakeResult {
     /// Not baked, but taken from this candidate.
     pub from: Option<PathBuf>,
     /// Gates that refused it.

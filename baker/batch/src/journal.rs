@@ -110,7 +110,7 @@ fn path(out: &Path, shard: Option<Shard>) -> PathBuf {
 fn of_summaries(out: &Path) -> Past {
     let mut past = Past::default();
     for summary in summaries(out) {
-        // What had no turn or failed says nothing of the asset that lies there.
+        // What wasn't tried or failed says nothing of the asset that lies there.
         let known = summary.assets.into_iter().filter(|report| report.file_blake3.is_some());
         past.records.extend(known.map(|report| (report.name.clone(), report)));
         past.leftovers.extend(summary.leftovers);

@@ -1,6 +1,6 @@
 //! One asset of a batch, from its mesh or from a file of the same content key to its place.
 
-use super::job::{Made, Order};
+use super::job::{MakeResult, MakeTask};
 use super::{figures::figures, gates, measure, preview};
 use crate::error::Error;
 use std::path::{Path, PathBuf};
@@ -16,37 +16,37 @@ use volmap_runtime::VolumeMap;
 ///
 /// # Errors
 /// A mesh that can't be read or baked; files that can't be written. What lay in the asset's place stays.
-pub fn make(order: &Order, on_step: &mut dyn FnMut(&str)) -> Result<Made, Error> {
+pub fn make(task: &MakeTask, on_step: &mut dyn FnMut(&str)) -> Result<MakeResult, Error> {
     let start = Instant::now();
-    let recipe = order.subject.parameters.recipe();
+    let recipe = task.input.parameters.recipe();
     let mut notes = Vec::new();
-    let found = order.candidates.iter().find_map(|path| reuse(path, order, &recipe));
+    let found = task.candidates.iter().find_map(|path| reuse(path, task, &recipe));
     let (asset, bytes, from) = match found {
         Some(found) => found,
         None => {
-            let (asset, bytes) = baked(order, &recipe, on_step)?;
+            let (asset, bytes) = baked(task, &recipe, on_step)?;
             (asset, bytes, None)
         }
     };
     let figures = figures(&asset);
-    let failed_gates = gates::failed(&order.gates, &figures, bytes.len() as u64);
-    let lot = if failed_gates.is_empty() { &order.files.good } else { &order.files.rejected };
+    let failed_gates = gates::failed(&task.gates, &figures, bytes.len() as u64);
+    let files = if failed_gates.is_empty() { &task.files.good } else { &task.files.rejected };
     on_step("drawing");
-    publish(&lot.preview, &preview::preview(&VolumeMap::from_asset(&asset)?))?;
-    if let Some(page) = &lot.report {
+    publish(&files.preview, &preview::preview(&VolumeMap::from_asset(&asset)?))?;
+    if let Some(page) = &files.report {
         on_step("measuring for the report");
-        write_report(page, &asset, order)?;
+        write_report(page, &asset, task)?;
     }
     on_step("writing");
-    if from.is_none() || from != order.files.cached {
-        notes.extend(keep(&bytes, order));
+    if from.is_none() || from != task.files.cached {
+        notes.extend(keep(&bytes, task));
     }
-    publish(&lot.asset, &bytes)?;
+    publish(&files.asset, &bytes)?;
     if failed_gates.is_empty() {
         // It may have been refused before, and isn't any more.
-        order.files.rejected.forget();
+        task.files.rejected.forget();
     }
-    Ok(Made {
+    Ok(MakeResult {
         from,
         failed_gates,
         figures,
@@ -60,10 +60,10 @@ pub fn make(order: &Order, on_step: &mut dyn FnMut(&str)) -> Result<Made, Error>
 
 /// What an asset says of its mesh's name and of the program are those of another day; with today's it is what a bake would
 /// give.
-fn reuse(path: &Path, order: &Order, recipe: &Recipe) -> Option<(Asset, Vec<u8>, Option<PathBuf>)> {
-    let (mut asset, mut bytes) = read_same(path, &order.identity.key)?;
+fn reuse(path: &Path, task: &MakeTask, recipe: &Recipe) -> Option<(Asset, Vec<u8>, Option<PathBuf>)> {
+    let (mut asset, mut bytes) = read_same(path, &task.identity.key)?;
     let names =
-        [("file", file_name(&order.subject.mesh)), ("program_version", env!("CARGO_PKG_VERSION").into())];
+        [("file", file_name(&task.input.mesh)), ("program_version", env!("CARGO_PKG_VERSION").into())];
     let mut is_same = true;
     for (attribute, name) in names {
         let name = Value::from(name.as_str());
@@ -79,27 +79,27 @@ fn file_name(path: &Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-fn baked(order: &Order, recipe: &Recipe, on_step: &mut dyn FnMut(&str)) -> Result<(Asset, Vec<u8>), Error> {
+fn baked(task: &MakeTask, recipe: &Recipe, on_step: &mut dyn FnMut(&str)) -> Result<(Asset, Vec<u8>), Error> {
     on_step("reading");
-    let input = content_key::load(&order.subject.mesh, recipe, &order.identity)?;
+    let input = content_key::load(&task.input.mesh, recipe, &task.identity)?;
     let mut settings = recipe.bake.clone();
-    settings.map.max_memory = order.max_memory;
+    settings.map.max_memory = task.max_memory;
     let mut step = |step: Step| on_step(step.name());
     let mut asset = bake(input.clone(), &settings, &mut |_| (), &mut step)?.asset;
-    if order.subject.error_points > 0 {
+    if task.input.error_points > 0 {
         on_step("measuring the error");
-        measure::note_error(&mut asset, &input, order.subject.error_points)?;
+        measure::note_error(&mut asset, &input, task.input.error_points)?;
     }
-    asset.bake.insert(ATTRIBUTE.into(), order.identity.key.as_str().into());
+    asset.bake.insert(ATTRIBUTE.into(), task.identity.key.as_str().into());
     on_step("compressing");
     let bytes = asset::encode(&asset, recipe.compression)?;
     Ok((asset, bytes))
 }
 
 /// Into the cache, which may be another machine's and full or gone: then the batch does without.
-fn keep(bytes: &[u8], order: &Order) -> Option<String> {
-    let cached = order.files.cached.as_ref()?;
-    if read_same(cached, &order.identity.key).is_some() {
+fn keep(bytes: &[u8], task: &MakeTask) -> Option<String> {
+    let cached = task.files.cached.as_ref()?;
+    if read_same(cached, &task.identity.key).is_some() {
         return None;
     }
     if let Some(folder) = cached.parent() {
@@ -118,11 +118,11 @@ fn read_same(path: &Path, key: &str) -> Option<(Asset, Vec<u8>)> {
 }
 
 /// Without a verdict: gates may change, and the page stays.
-fn write_report(path: &Path, asset: &Asset, order: &Order) -> Result<(), Error> {
-    let mesh = content_key::load(&order.subject.mesh, &order.subject.parameters.recipe(), &order.identity)?;
+fn write_report(path: &Path, asset: &Asset, task: &MakeTask) -> Result<(), Error> {
+    let mesh = content_key::load(&task.input.mesh, &task.input.parameters.recipe(), &task.identity)?;
     let found = report(asset, Some(mesh), &report::Settings::default(), &mut |_| ())?;
     let json = serde_json::to_string_pretty(&found.findings).expect("numbers and text") + "\n";
-    let html = page(&file_name(&order.files.good.asset), &found.findings, found.pictures()).to_html();
+    let html = page(&file_name(&task.files.good.asset), &found.findings, found.pictures()).to_html();
     publish(&path.with_extension("json"), json.as_bytes())?;
     publish(path, html.as_bytes())
 }

@@ -10,7 +10,7 @@
 //! CACHE/ab/ab12...ef.h5          an asset by its content key
 //! ```
 
-use super::job::{Files, Lot};
+use super::job::{AssetFiles, OutputFiles};
 use super::summary::Shard;
 use std::path::{Path, PathBuf};
 
@@ -55,18 +55,18 @@ pub fn of_part(stem: &str, ending: &str, shard: Option<Shard>, tags: &[String]) 
 
 impl Places {
     /// Files of an asset with this name and, for its place in the cache, key.
-    pub fn files(&self, name: &str, key: Option<&str>, with_report: bool) -> Files {
-        let lot = |is_rejected| {
+    pub fn files(&self, name: &str, key: Option<&str>, with_report: bool) -> OutputFiles {
+        let files = |is_rejected| {
             let names = names(name, is_rejected);
-            Lot {
+            AssetFiles {
                 asset: self.out.join(names.asset),
                 preview: self.out.join(names.preview),
                 report: with_report.then(|| self.out.join(names.report)),
             }
         };
-        Files {
-            good: lot(false),
-            rejected: lot(true),
+        OutputFiles {
+            good: files(false),
+            rejected: files(true),
             cached: self.cache.as_deref().zip(key).map(|(cache, key)| cached(cache, key)),
         }
     }

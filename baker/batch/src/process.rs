@@ -11,11 +11,11 @@ use std::thread::JoinHandle;
 /// The argument that makes the program a worker.
 pub const WORKER: &str = "batch-worker";
 
-/// What of a worker's complaints is kept.
-const KEPT_COMPLAINT: usize = 4096;
+/// Last bytes of a worker's standard error that are kept.
+const KEPT_ERRORS: usize = 4096;
 
-/// Something that a worker said, or that it ended.
-pub enum Heard {
+/// A reply of a worker, or its end.
+pub enum Message {
     /// A reply.
     Reply(Reply),
     /// No more will come.
@@ -26,15 +26,20 @@ pub enum Heard {
 pub struct Worker {
     child: Child,
     input: Option<ChildStdin>,
-    complaints: Option<JoinHandle<String>>,
+    /// Reads its standard error.
+    errors: Option<JoinHandle<String>>,
 }
 
 impl Worker {
-    /// Starts `program batch-worker`. What it says is sent with `number`.
+    /// Starts `program batch-worker`. Its messages are sent with `number`.
     ///
     /// # Errors
     /// A program that can't be started.
-    pub fn start(program: &Path, number: usize, heard: &Sender<(usize, Heard)>) -> std::io::Result<Worker> {
+    pub fn start(
+        program: &Path,
+        number: usize,
+        sender: &Sender<(usize, Message)>,
+    ) -> std::io::Result<Worker> {
         let mut command = Command::new(program);
         command.arg(WORKER).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
         // Ctrl-C is for the batch, which ends its workers.
@@ -42,22 +47,22 @@ impl Worker {
         std::os::unix::process::CommandExt::process_group(&mut command, 0);
         let mut child = command.spawn()?;
         let (output, errors) = (child.stdout.take(), child.stderr.take());
-        let heard = heard.clone();
+        let sender = sender.clone();
         std::thread::spawn(move || {
             for line in output.into_iter().flat_map(|output| BufReader::new(output).lines()) {
                 let reply = line.ok().and_then(|line| serde_json::from_str(&line).ok());
-                if reply.is_none_or(|reply| heard.send((number, Heard::Reply(reply))).is_err()) {
+                if reply.is_none_or(|reply| sender.send((number, Message::Reply(reply))).is_err()) {
                     break;
                 }
             }
-            let _ = heard.send((number, Heard::End));
+            let _ = sender.send((number, Message::End));
         });
-        let complaints = std::thread::spawn(move || errors.map(tail).unwrap_or_default());
-        Ok(Worker { input: child.stdin.take(), child, complaints: Some(complaints) })
+        let errors = std::thread::spawn(move || errors.map(tail).unwrap_or_default());
+        Ok(Worker { input: child.stdin.take(), child, errors: Some(errors) })
     }
 
-    /// Gives it a job. One that has ended is heard of in another way.
-    pub fn give(&mut self, job: &Job) {
+    /// Sends it a job. A worker that has ended sends [`Message::End`].
+    pub fn send(&mut self, job: &Job) {
         let mut line = serde_json::to_vec(job).expect("plain data");
         line.push(b'\n');
         if let Some(input) = &mut self.input {
@@ -75,14 +80,14 @@ impl Worker {
         let _ = self.child.kill();
     }
 
-    /// How it ended, in words, and what it complained of.
+    /// How it ended, in words, and the end of its standard error.
     pub fn end(mut self) -> String {
         drop(self.input.take());
         let status = self.child.wait();
-        let complaint = self.complaints.take().and_then(|thread| thread.join().ok()).unwrap_or_default();
-        let complaint = complaint.trim();
+        let errors = self.errors.take().and_then(|thread| thread.join().ok()).unwrap_or_default();
+        let errors = errors.trim();
         let how = status.map_or_else(|error| error.to_string(), describe);
-        if complaint.is_empty() { how } else { format!("{how}: {complaint}") }
+        if errors.is_empty() { how } else { format!("{how}: {errors}") }
     }
 }
 
@@ -99,7 +104,7 @@ fn tail(mut errors: impl Read) -> String {
     let mut block = [0; 1024];
     while let Ok(count @ 1..) = errors.read(&mut block) {
         kept.extend_from_slice(&block[..count]);
-        kept.drain(..kept.len().saturating_sub(KEPT_COMPLAINT));
+        kept.drain(..kept.len().saturating_sub(KEPT_ERRORS));
     }
     String::from_utf8_lossy(&kept).into_owned()
 }

@@ -4,10 +4,13 @@
 use super::assets::PlannedAsset;
 use super::figures::figures;
 use super::gates;
-use super::job::{Files, Lot};
+use super::job::{AssetFiles, OutputFiles};
 use super::journal::Records;
 use super::places::Places;
+use super::settings::BatchSettings;
 use super::summary::{AssetReport, Figures};
+use super::threads::in_pool;
+use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use volmap_bake::content_key::{Identity, difference, identify, key_of, parameters};
@@ -72,6 +75,12 @@ impl<'a> Known<'a> {
     }
 }
 
+/// What is to be done with each asset, in their order.
+pub fn decisions(assets: &[&PlannedAsset], settings: &BatchSettings, records: &Records) -> Vec<Decision> {
+    let known = Known { rebuild: settings.rebuild, ..Known::new(&settings.places, records) };
+    in_pool(settings.threads, || assets.par_iter().map(|asset| decide(asset, &known)).collect())
+}
+
 /// Decides what is to be done with an asset.
 pub fn decide(asset: &PlannedAsset, known: &Known) -> Decision {
     if let Some(fault) = &asset.fault {
@@ -90,7 +99,7 @@ pub fn decide(asset: &PlannedAsset, known: &Known) -> Decision {
     Decision { identity: Some(identity), action }
 }
 
-fn action(asset: &PlannedAsset, identity: &Identity, files: &Files, known: &Known) -> Action {
+fn action(asset: &PlannedAsset, identity: &Identity, files: &OutputFiles, known: &Known) -> Action {
     let record = known.records.get(&asset.name);
     let why = match look(&files.good.asset, identity, record, known.thorough) {
         Ok(found) => return keep(asset, found, &files.good, known.thorough),
@@ -109,7 +118,7 @@ fn action(asset: &PlannedAsset, identity: &Identity, files: &Files, known: &Know
         }
         return Action::Make("its gates let it pass now".into(), vec![files.rejected.asset.clone()]);
     }
-    // The cache's may appear before its turn: another machine may be at the same work.
+    // The cache's may appear before the job starts: another machine may be at the same work.
     let mut candidates: Vec<PathBuf> = files.cached.iter().cloned().collect();
     for other in known.by_key.get(identity.key.as_str()).into_iter().flatten() {
         let other = known.places.files(other, None, false);
@@ -119,13 +128,15 @@ fn action(asset: &PlannedAsset, identity: &Identity, files: &Files, known: &Know
 }
 
 /// What belongs to an asset is made again if it is gone.
-fn keep(asset: &PlannedAsset, mut found: Kept, lot: &Lot, alone: bool) -> Action {
+fn keep(asset: &PlannedAsset, mut found: Kept, files: &AssetFiles, alone: bool) -> Action {
     found.failed_gates = gates::failed(&asset.gates, &found.figures, found.bytes);
     let is_gone = |file: &PathBuf| !alone && !file.exists();
     match () {
-        () if is_gone(&lot.preview) => Action::Make("its picture is missing".into(), vec![lot.asset.clone()]),
-        () if lot.report.as_ref().is_some_and(is_gone) => {
-            Action::Make("its report is missing".into(), vec![lot.asset.clone()])
+        () if is_gone(&files.preview) => {
+            Action::Make("its picture is missing".into(), vec![files.asset.clone()])
+        }
+        () if files.report.as_ref().is_some_and(is_gone) => {
+            Action::Make("its report is missing".into(), vec![files.asset.clone()])
         }
         () => Action::Keep(found),
     }

@@ -1,11 +1,11 @@
 //! Whether the assets in a folder are those that a manifest wants: keys, checksums and gates, without baking.
 
 use super::assets::Expanded;
-use super::engine::in_pool;
 use super::journal::past;
 use super::places::Places;
 use super::read::read;
 use super::state::{Action, Known, decide};
+use super::threads::in_pool;
 use crate::error::Error;
 use rayon::prelude::*;
 use serde::Serialize;

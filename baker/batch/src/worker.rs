@@ -1,8 +1,8 @@
-//! The process that makes assets, so that nothing that happens to one of them happens to the batch: it reads jobs from
-//! its input and writes replies to its output, and ends when its input does, even in the middle of a job.
+//! The worker process. It makes assets apart from the batch, so that a crash loses one asset only. It reads jobs from its
+//! standard input, writes replies to its standard output, and ends when its input does, even in the middle of a job.
 
 use super::cost::cost;
-use super::job::{Job, Reply, Task};
+use super::job::{Job, MakeResult, Reply, Task};
 use super::make::make;
 use super::memory::of_process;
 use crate::error::Error;
@@ -10,11 +10,11 @@ use std::io::{self, BufRead, Write};
 use std::sync::mpsc;
 use volmap_formats::asset::AssetError;
 
-/// Works until there are no more jobs.
+/// Runs jobs until there are no more.
 ///
 /// # Errors
 /// An output that can't be written to; a line that is no job.
-pub fn work(mut output: impl Write + Send) -> io::Result<()> {
+pub fn run(mut output: impl Write + Send) -> io::Result<()> {
     let (sender, jobs) = mpsc::channel();
     std::thread::spawn(move || {
         for line in io::stdin().lock().lines() {
@@ -31,14 +31,14 @@ pub fn work(mut output: impl Write + Send) -> io::Result<()> {
         reset_peak_memory();
         let reply = answer(&job, &mut |step| {
             // If nobody reads any more, the input has ended too.
-            let _ = say(&mut output, &Reply::Step(step.to_owned()));
+            let _ = send(&mut output, &Reply::Step(step.to_owned()));
         });
-        say(&mut output, &reply)?;
+        send(&mut output, &reply)?;
     }
     Ok(())
 }
 
-fn say(output: &mut impl Write, reply: &Reply) -> io::Result<()> {
+fn send(output: &mut impl Write, reply: &Reply) -> io::Result<()> {
     let mut line = serde_json::to_vec(reply)?;
     line.push(b'\n');
     output.write_all(&line)?;
@@ -51,9 +51,9 @@ fn answer(job: &Job, on_step: &mut (dyn FnMut(&str) + Send)) -> Reply {
         Err(error) => return Reply::Failed { error: error.to_string(), disk_full: false },
     };
     let done = pool.install(|| match &job.task {
-        Task::Estimate(subject) => cost(subject, u64::MAX).map(Reply::Estimated),
-        Task::Make(order) => make(order, on_step).map(|made| {
-            let made = super::job::Made { peak_memory: of_process("self", "VmHWM:"), ..made };
+        Task::Estimate(input) => cost(input, u64::MAX).map(Reply::Estimated),
+        Task::Make(task) => make(task, on_step).map(|made| {
+            let made = MakeResult { peak_memory: of_process("self", "VmHWM:"), ..made };
             Reply::Made(Box::new(made))
         }),
     });

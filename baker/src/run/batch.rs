@@ -15,7 +15,7 @@ use volmap_bake::parameters::Parameters;
 use volmap_bake::summary::bytes;
 use volmap_batch::assets::{Expanded, expand};
 use volmap_batch::check::{Check, Checked, check};
-use volmap_batch::engine::{self, Event, Settings};
+use volmap_batch::engine::{self, Event};
 use volmap_batch::manifest::{self, Manifest};
 use volmap_batch::memory::free_memory;
 use volmap_batch::merge::merge;
@@ -23,6 +23,7 @@ use volmap_batch::places::Places;
 use volmap_batch::prune::Leftovers;
 use volmap_batch::publish::publish;
 use volmap_batch::read::{find_parts, read as read_summary};
+use volmap_batch::settings::BatchSettings;
 use volmap_batch::summary::{Outcome, Summary};
 use volmap_batch::{log, verify, worker};
 
@@ -85,7 +86,7 @@ fn start(arguments: &BatchArguments) -> Result<ExitCode> {
         }
         progress.event(&event);
     };
-    let ran = engine::run((&expanded, manifest_path.as_deref()), &settings, &mut on_event, &stop)?;
+    let ran = engine::run(&expanded, manifest_path.as_deref(), &settings, &mut on_event, &stop)?;
     progress.finish();
     let code = close(&ran.summary, &settings.places.out, arguments);
     if let Some(error) = ran.unwritten {
@@ -149,7 +150,7 @@ fn list(expanded: &Expanded) -> ExitCode {
     ExitCode::SUCCESS
 }
 
-fn settings(arguments: &BatchArguments) -> Result<Settings> {
+fn settings(arguments: &BatchArguments) -> Result<BatchSettings> {
     let threads = arguments.threads.unwrap_or_else(processors);
     let out = arguments.out.clone().context("--out: name the folder of the assets")?;
     // Workers are told in JSON.
@@ -161,7 +162,7 @@ fn settings(arguments: &BatchArguments) -> Result<Settings> {
             .to_str()
             .with_context(|| format!("{}: the name isn't Unicode; take another folder", folder.display()))?;
     }
-    Ok(Settings {
+    Ok(BatchSettings {
         places: Places { out, cache: arguments.cache.clone() },
         worker: std::env::current_exe().context("the program's own file")?,
         jobs: arguments.jobs.unwrap_or(threads),
@@ -249,7 +250,7 @@ fn show_check(found: &Check, explain: bool) {
 
 /// A worker of a batch.
 pub fn run_worker() -> Result<()> {
-    Ok(worker::work(io::stdout())?)
+    Ok(worker::run(io::stdout())?)
 }
 
 /// Checks a folder of assets against its manifest.
