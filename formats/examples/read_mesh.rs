@@ -24,7 +24,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("{} vertices, {} triangles", triangles.vertices.len(), triangles.triangles.len());
     for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
         let along = || triangles.vertices.iter().map(|vertex| vertex[axis]);
-        let (lowest, highest) = (along().fold(f64::INFINITY, f64::min), along().fold(f64::NEG_INFINITY, f64::max));
+        let (lowest, highest) =
+            (along().fold(f64::INFINITY, f64::min), along().fold(f64::NEG_INFINITY, f64::max));
         println!("{name} from {lowest} to {highest} m");
     }
     Ok(())

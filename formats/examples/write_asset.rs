@@ -9,7 +9,8 @@
 use std::error::Error;
 use std::path::PathBuf;
 use volmap_formats::asset::{
-    self, Array, Asset, AssetError, Attributes, CellRun, Compression, Dimension, Exterior, GridSpec, QuadratureSpec,
+    self, Array, Asset, AssetError, Attributes, CellRun, Compression, Dimension, Exterior, GridSpec,
+    QuadratureSpec,
 };
 
 /// Two cells beside each other share the nodes between them: 32 + 20 (SPEC.md, section 5).
@@ -40,7 +41,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     asset::write(&path, &made, Compression::default())?;
     let read = asset::read(&path)?;
     assert_eq!(read, made);
-    println!("{} nodes in {} runs of cells, format version {}", read.volume.len(), read.band_cells.len(), read.format_version());
+    println!(
+        "{} nodes in {} runs of cells, format version {}",
+        read.volume.len(),
+        read.band_cells.len(),
+        read.format_version()
+    );
 
     // Every byte is covered by a checksum: a damaged file is an error, never another number.
     let mut bytes = std::fs::read(&path)?;
