@@ -158,7 +158,7 @@ fn kind(error: &Error) -> &'static str {
     // Nothing from the file that a terminal would obey.
     assert!(message.len() > 20 && message.len() < 1000 && !message.contains(char::is_control), "{message:?}");
     match error {
-        Error::Asset(AssetError::InFile { source, .. }) if matches!(**source, AssetError::Invalid { .. }) => {
+        Error::Asset(AssetError::InFile { error, .. }) if matches!(**error, AssetError::Invalid { .. }) => {
             "refused by the writer"
         }
         Error::Inconsistent { .. } => "content: inconsistent",

@@ -77,14 +77,14 @@ pub struct CellRun {
 pub enum Exterior {
     /// Free space: no boundary there.
     Fluid,
-    /// Solid, as around the inside of a container (`--invert`).
+    /// Solid, as around the inside of a container.
     Solid,
 }
 
 /// The rule that integrated the volume, Eq. 12 of Bender et al. 2020.
 #[derive(Clone, Debug, PartialEq)]
 pub struct QuadratureSpec {
-    /// Name as the baker's option spells it: `gl30`, `ball8`.
+    /// Name, `gl30`, `ball8`: see `SPEC.md`, section 8.
     pub name: String,
     /// Polynomial exactness of the rule per axis.
     pub degree: u32,
@@ -131,7 +131,7 @@ pub struct Asset {
 /// # Errors
 /// A file that can't be read, isn't an asset, is of a newer version, or is damaged.
 pub fn read(path: &Path) -> Result<Asset, AssetError> {
-    let bytes = std::fs::read(path).map_err(|source| AssetError::Io(source).in_file(path))?;
+    let bytes = std::fs::read(path).map_err(|error| AssetError::Io(error).in_file(path))?;
     from_bytes(bytes).map_err(|error| error.in_file(path))
 }
 

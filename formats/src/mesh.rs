@@ -19,7 +19,6 @@ use std::path::{Path, PathBuf};
 mod binary;
 pub mod budget;
 mod clean;
-mod decimal;
 mod error;
 mod format;
 pub mod guard;

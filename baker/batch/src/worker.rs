@@ -64,7 +64,7 @@ fn is_disk_full(error: &Error) -> bool {
     fn of(error: &AssetError) -> bool {
         match error {
             AssetError::Io(source) => is_full(source),
-            AssetError::InFile { source, .. } => of(source),
+            AssetError::InFile { error, .. } => of(error),
             _ => false,
         }
     }

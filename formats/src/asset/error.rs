@@ -1,4 +1,5 @@
-//! What can be wrong with an asset.
+//! What can be wrong with an asset. As with all errors of this crate, the text is complete in itself (file, reason,
+//! cure), and `source()` returns only what the text doesn't say.
 
 use std::path::{Path, PathBuf};
 
@@ -6,18 +7,18 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 pub enum AssetError {
     /// The file named has the problem named.
-    #[error("{}: {source}", path.display())]
+    #[error("{}: {error}", path.display())]
     InFile {
         /// The file.
         path: PathBuf,
         /// The problem.
-        source: Box<AssetError>,
+        error: Box<AssetError>,
     },
     /// The system refused.
-    #[error("{0}")]
+    #[error(transparent)]
     Io(#[from] std::io::Error),
     /// The bytes aren't HDF5 at all.
-    #[error("not an HDF5 file; name an asset that `volmap bake` made")]
+    #[error("not an HDF5 file; a volume map is one")]
     NotHdf5,
     /// HDF5 that can't be read, or damaged.
     #[error("not readable as HDF5 ({0}); if it was copied, copy it again; else bake it again")]
@@ -51,7 +52,7 @@ pub enum AssetError {
 
 impl AssetError {
     pub(crate) fn in_file(self, path: &Path) -> AssetError {
-        AssetError::InFile { path: path.to_owned(), source: Box::new(self) }
+        AssetError::InFile { path: path.to_owned(), error: Box::new(self) }
     }
 
     pub(crate) fn invalid(what: impl Into<String>, reason: impl Into<String>) -> AssetError {

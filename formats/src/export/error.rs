@@ -1,4 +1,4 @@
-//! What can go wrong with files of other programs.
+//! What can go wrong with files of other programs. The text is complete in itself; `source()` repeats nothing of it.
 
 use std::path::{Path, PathBuf};
 
@@ -6,15 +6,15 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 pub enum ExportError {
     /// The file named has the problem named.
-    #[error("{}: {source}", path.display())]
+    #[error("{}: {error}", path.display())]
     InFile {
         /// The file.
         path: PathBuf,
         /// The problem.
-        source: Box<ExportError>,
+        error: Box<ExportError>,
     },
     /// The system refused.
-    #[error("{0}")]
+    #[error(transparent)]
     Io(#[from] std::io::Error),
     /// HDF5 that can't be written.
     #[error("HDF5: {0}")]
@@ -26,6 +26,6 @@ pub enum ExportError {
 
 impl ExportError {
     pub(super) fn in_file(self, path: &Path) -> ExportError {
-        ExportError::InFile { path: path.to_owned(), source: Box::new(self) }
+        ExportError::InFile { path: path.to_owned(), error: Box::new(self) }
     }
 }

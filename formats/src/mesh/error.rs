@@ -1,4 +1,5 @@
-//! What can go wrong with a mesh file, with the place and the cure.
+//! What can go wrong with a mesh file, with the place and the cure. The text is complete in itself; `source()` repeats
+//! nothing of it.
 
 use std::path::{Path, PathBuf};
 

@@ -1,6 +1,5 @@
 //! Words and numbers of a text format, with line numbers.
 
-use super::decimal::short_decimal;
 use super::error::MeshError;
 use super::raw::MAX_COORDINATE;
 
@@ -138,7 +137,7 @@ pub fn parse<T: std::str::FromStr>(word: &[u8]) -> Option<T> {
 }
 
 pub fn any_number(word: &[u8]) -> Option<f64> {
-    if let Some(value) = short_number(word) {
+    if let Ok(value) = fast_float2::parse(word) {
         return Some(value);
     }
     // C writes NaN in more ways than Rust reads.
@@ -147,15 +146,18 @@ pub fn any_number(word: &[u8]) -> Option<f64> {
     if sign.starts_with(b"nan") || sign.starts_with(b"1.#") {
         return Some(f64::NAN);
     }
-    parse(word)
+    None
 }
 
 pub fn number(word: &[u8]) -> Option<f64> {
-    short_number(word).or_else(|| parse(word)).filter(|value: &f64| value.abs() <= MAX_COORDINATE)
+    fast_float2::parse(word).ok().filter(|value: &f64| value.abs() <= MAX_COORDINATE)
 }
 
-fn short_number(word: &[u8]) -> Option<f64> {
-    short_decimal(word).filter(|&(_, length)| length == word.len()).map(|(value, _)| value)
+/// The number that a text starts with, finite and not beyond 1e100, and its length. What follows is for the caller to
+/// judge.
+#[inline]
+pub fn number_at_start(bytes: &[u8]) -> Option<(f64, usize)> {
+    fast_float2::parse_partial(bytes).ok().filter(|(value, _): &(f64, usize)| value.abs() <= MAX_COORDINATE)
 }
 
 /// A text without its byte order mark.
@@ -171,4 +173,50 @@ pub fn find(bytes: &[u8], needle: &[u8]) -> Option<usize> {
 /// Words of one line.
 pub fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
     line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn agrees(word: &str) {
+        let expected: Option<f64> = word.parse().ok().filter(|value: &f64| value.abs() <= MAX_COORDINATE);
+        assert_eq!(number(word.as_bytes()).map(f64::to_bits), expected.map(f64::to_bits), "{word}");
+        let (value, length) = number_at_start(format!("{word} 1").as_bytes()).unzip();
+        if let Some(expected) = expected {
+            assert_eq!(
+                (value.map(f64::to_bits), length),
+                (Some(expected.to_bits()), Some(word.len())),
+                "{word}"
+            );
+        }
+    }
+
+    #[test]
+    fn numbers_of_all_kinds_are_read_and_rounded_correctly() {
+        let words = "0 -0 +1 1. .5 -.25 007 0.1 -123.456 1e5 1E-5 2.5e+07 9007199254740993 9007199254740992e22 1e23 1e-23 \
+                     1.7e-21 0.000000000000000001 0.30000000000000004 18446744073709551616 1e99999 1e-99999 4.9e-324 \
+                     1e100 1.0000000000000001e100 1.0000000000000002e100 - + . e5 1e 1e+ nan -inf infinity -.e1 1_0 0x1 1d5 --1 +-1";
+        words.split_ascii_whitespace().for_each(agrees);
+        assert_eq!(number_at_start(b"1.5/2"), Some((1.5, 3)));
+        assert_eq!(number_at_start(b"nan 1"), None);
+        assert!(number(b"").is_none() && any_number(b"-1.#IND").is_some_and(f64::is_nan));
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(20_000))]
+
+        #[test]
+        fn decimals_agree_with_the_standard_library(word in "[-+]?[0-9]{0,25}\\.?[0-9]{0,25}([eE][-+]?[0-9]{1,3})?") {
+            agrees(&word);
+        }
+
+        #[test]
+        fn every_number_comes_back(value in any::<f64>(), single in any::<f32>()) {
+            for text in [format!("{value:?}"), format!("{value:.17e}"), format!("{single:?}"), format!("{single:.6}")] {
+                agrees(&text);
+            }
+        }
+    }
 }

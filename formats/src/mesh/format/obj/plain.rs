@@ -1,9 +1,9 @@
 //! The lines that nearly all of an OBJ consists of, in one pass: `v 1.5 0 -2` and `f 1/1 2/2 3/3`.
 //!
-//! Whatever is unusual (comments, continued lines, long numbers, errors) is left to the general
+//! Whatever is unusual (comments, continued lines, errors) is left to the general
 //! reader, which starts the line again: `None`. What is read is the same either way.
 
-use crate::mesh::decimal::{digits, short_decimal};
+use crate::mesh::text::number_at_start;
 
 /// A vertex: what follows the `v`, and where the line ends.
 pub fn vertex(bytes: &[u8]) -> Option<([f64; 3], usize)> {
@@ -11,7 +11,7 @@ pub fn vertex(bytes: &[u8]) -> Option<([f64; 3], usize)> {
     let mut position = [0.0; 3];
     for c in &mut position {
         at = blanks(bytes, at);
-        let (value, length) = short_decimal(&bytes[at..])?;
+        let (value, length) = number_at_start(&bytes[at..])?;
         *c = value;
         at += length;
         if !ends_word(bytes, at) {
@@ -32,7 +32,7 @@ pub fn face(bytes: &[u8], count: usize, corners: &mut Vec<u32>) -> Option<usize>
         }
         let backwards = bytes[at] == b'-';
         let start = at + usize::from(backwards);
-        let (number, end) = digits(bytes, start, 0);
+        let (number, end) = digits(bytes, start);
         if end > start + 18 {
             return None;
         }
@@ -46,6 +46,16 @@ pub fn face(bytes: &[u8], count: usize, corners: &mut Vec<u32>) -> Option<usize>
             return None;
         }
     }
+}
+
+/// The whole number that starts at `at`, which may wrap, and where it ends.
+fn digits(bytes: &[u8], mut at: usize) -> (u64, usize) {
+    let mut number = 0u64;
+    while let Some(digit) = bytes.get(at).map(|byte| byte.wrapping_sub(b'0')).filter(|&digit| digit < 10) {
+        number = number.wrapping_mul(10).wrapping_add(u64::from(digit));
+        at += 1;
+    }
+    (number, at)
 }
 
 /// v counts from 1, or backwards from -1.
@@ -105,7 +115,7 @@ mod tests {
         assert_eq!(face(b" 1/2/3 2//3 -1 4\nf", 9, &mut corners), Some(16));
         assert_eq!(corners, [0, 1, 8, 3]);
         assert_eq!(face(b"", 9, &mut corners), Some(0));
-        for line in [" 1 2", " 1 2 nan", " 1 2 3#", " 1 2 3 \\\n4", " 1 2 0.12345678901234567", " 1,5 2 3"] {
+        for line in [" 1 2", " 1 2 nan", " 1 2 3#", " 1 2 3 \\\n4", " 1 2 1e101", " 1,5 2 3"] {
             assert_eq!(vertex(line.as_bytes()), None, "{line}");
         }
         for line in [" 0 1 2", " 1 2 3#", " 1 2/\\\n3", " 1 2 3 \\\n4", " +1 2 3", " 1 2 1234567890123456789"]
