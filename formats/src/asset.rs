@@ -4,7 +4,6 @@
 //! Asset  <- schema ->  Tree (groups, attributes, arrays)  <- write / read ->  HDF5 bytes
 //! ```
 
-mod density;
 mod error;
 pub(crate) mod filters;
 #[cfg(feature = "write")]
@@ -16,12 +15,11 @@ mod tree;
 #[cfg(feature = "write")]
 mod write;
 
-pub use density::DensityField;
 pub use error::AssetError;
 #[cfg(feature = "write")]
 pub use publish::{NewFile, clear_leftovers};
 pub use rounded::{Rounded, RoundingError};
-pub use schema::{FORMAT_NAME, FORMAT_VERSION, MAX_CELLS_PER_AXIS, MAX_ROWS};
+pub use schema::{DensityField, FORMAT_NAME, FORMAT_VERSION, MAX_CELLS_PER_AXIS, MAX_ROWS};
 pub use tree::{Array, Attributes, Dataset, Tree, Value};
 #[cfg(feature = "write")]
 pub use write::Compression;

@@ -1,6 +1,6 @@
 //! What volmap has on disk: triangle meshes in, volume-map assets out and in. No algorithms.
 //!
-//! - [`mesh`] (feature `mesh`): OBJ, STL, PLY, OFF, glTF, 3MF and VTK files into one [`mesh::TriangleMesh`];
+//! - [`mesh`] (feature `mesh`): mesh files of eleven formats into one [`mesh::TriangleMesh`];
 //! - [`asset`]: the volume-map asset, an HDF5 file described in `SPEC.md`; [`asset::read()`] is always there,
 //!   `asset::write` needs the feature `write`;
 //! - `export` (feature `export`): files for other programs: VTK, PLY, and Discregrid's, which is read, too.
@@ -13,3 +13,6 @@ pub mod asset;
 pub mod export;
 #[cfg(feature = "mesh")]
 pub mod mesh;
+mod printable;
+
+pub use printable::printable;

@@ -60,9 +60,7 @@ impl AssetError {
     }
 }
 
-/// Text from a file as it may stand in a message: nothing that a terminal would obey, not without end.
+/// Text from a file as it may stand in a message.
 pub(super) fn printable(text: &str) -> String {
-    const LONGEST: usize = 200;
-    let safe = |c: char| if c.is_control() { '\u{FFFD}' } else { c };
-    text.chars().take(LONGEST).map(safe).collect()
+    crate::printable(text, 200)
 }

@@ -1,6 +1,9 @@
 //! What the objects of the file mean: [`Asset`] to [`Tree`] and back. `SPEC.md` is this file in prose.
 
-use super::density;
+mod density;
+
+pub use self::density::DensityField;
+
 use super::error::{AssetError, printable};
 use super::rounded::Rounded;
 #[cfg(feature = "write")]

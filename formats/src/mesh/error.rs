@@ -127,10 +127,5 @@ impl MeshError {
 
 /// Names inside a file and the messages of libraries may quote anything.
 fn printable(text: String) -> String {
-    const LONGEST: usize = 400;
-    if text.len() <= LONGEST && !text.chars().any(char::is_control) {
-        return text;
-    }
-    let clean = |c: char| if c.is_control() { '?' } else { c };
-    text.chars().take(LONGEST).map(clean).collect()
+    crate::printable(&text, 400)
 }

@@ -127,9 +127,9 @@ pub fn not_a_number(word: &[u8], what: &str) -> String {
 
 /// A word of a file, for a message: short, printable.
 pub fn show(word: &[u8]) -> String {
-    let text = String::from_utf8_lossy(&word[..word.len().min(40)]);
-    let text: String = text.chars().map(|c| if c.is_control() { '?' } else { c }).collect();
-    if word.len() > 40 { text + "..." } else { text }
+    const LONGEST: usize = 40;
+    let text = crate::printable(&String::from_utf8_lossy(&word[..word.len().min(LONGEST)]), LONGEST);
+    if word.len() > LONGEST { text + "..." } else { text }
 }
 
 pub fn parse<T: std::str::FromStr>(word: &[u8]) -> Option<T> {

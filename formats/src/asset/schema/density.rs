@@ -1,11 +1,11 @@
 //! The boundary density as it is stored: Koschier and Bender 2017, *Density Maps for Improved SPH Boundary Handling*;
 //! Eq. 9 to 11 of Bender et al. 2020. Only files of versions 2 and 4 have it.
 
-use super::error::AssetError;
-use super::schema::{self, DENSITY, Reader};
+use super::{DENSITY, Reader};
+use crate::asset::error::AssetError;
 #[cfg(feature = "write")]
-use super::tree::Dataset;
-use super::tree::{Array, Tree};
+use crate::asset::tree::Dataset;
+use crate::asset::tree::{Array, Tree};
 
 /// Eq. 11, the one extension function of the density.
 const EXTENSION: &str = "linear";
@@ -32,8 +32,8 @@ pub struct DensityField {
 #[cfg(feature = "write")]
 pub(super) fn dataset(field: &DensityField) -> Dataset {
     let description = "boundary density over rest density, Eq. 9 of Bender et al. 2020";
-    let mut dataset = schema::field_dataset(&field.values, "1", description);
-    dataset.attributes.extend(schema::attributes([
+    let mut dataset = super::field_dataset(&field.values, "1", description);
+    dataset.attributes.extend(super::attributes([
         ("kernel", field.kernel.as_str().into()),
         ("extension_function", EXTENSION.into()),
         ("extension_length", field.extension_length.into()),
@@ -61,5 +61,5 @@ pub(super) fn from_tree(tree: &mut Tree) -> Result<Option<DensityField>, AssetEr
         kernel_integral: attributes.positive("kernel_integral")?,
         values: Array::F32(Vec::new()),
     };
-    Ok(Some(DensityField { values: schema::field(tree, DENSITY)?, ..field }))
+    Ok(Some(DensityField { values: super::field(tree, DENSITY)?, ..field }))
 }
