@@ -222,7 +222,7 @@ fn another_radius_or_factor_is_told() {
     assert!(warnings[0].contains("0.800 of the full ball") && warnings[0].contains("0.8"), "{warnings:?}");
 }
 
-/// Damaged maps of each of two; `formats/fuzz` has the same with coverage.
+/// Damaged maps of each of two; `fuzz` has the same with coverage.
 const DAMAGED: usize = if cfg!(feature = "long") { 300_000 } else { 1_500 };
 
 /// Numbers that break programs, as a file would have them.

@@ -1,14 +1,14 @@
 //! Writes the seeds of the fuzz targets into `corpus/`: small assets and every mesh sample.
 
 #[allow(dead_code)]
-#[path = "../../tests/mesh/samples.rs"]
+#[path = "../../../formats/tests/mesh/samples.rs"]
 mod samples;
 
 use std::path::Path;
-use volmap_baker::export::discregrid::discregrid;
 use volmap_formats::asset::{self, Array, Asset, CellRun, Compression, Dimension, Exterior, GridSpec, QuadratureSpec};
 use volmap_formats::export::cdm;
 use volmap_formats::mesh::MeshFormat;
+use volmap_report::export::discregrid::discregrid;
 
 /// One cell of the band beside one of the solid, its 32 nodes made up.
 fn asset() -> Asset {

@@ -2,7 +2,7 @@
 #![no_main]
 
 #[allow(dead_code)]
-#[path = "../../../tests/hostile_assets/checksums.rs"]
+#[path = "../../hostile_assets/checksums.rs"]
 mod checksums;
 
 use checksums::Checksums;

@@ -2,9 +2,9 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use volmap_baker::import::{ImportSettings, from_grid};
 use volmap_formats::asset::Exterior;
 use volmap_formats::export::cdm;
+use volmap_report::import::{ImportSettings, from_grid};
 use volmap_runtime::{DVec3, VolumeMap};
 
 fuzz_target!(|bytes: &[u8]| {
