@@ -284,7 +284,7 @@ fn input_settings(settings: &Bake) -> InputSettings {
 fn open_asset(path: &Path) -> Result<Shape, Error> {
     let bytes = std::fs::read(path).map_err(io_error(path))?;
     let content = *blake3::hash(&bytes).as_bytes();
-    let in_file = |source| volmap_runtime::Error::InFile { path: path.to_owned(), source: Box::new(source) };
+    let in_file = |error| volmap_runtime::Error::InFile { path: path.to_owned(), error: Box::new(error) };
     let map = VolumeMap::from_bytes(bytes).map_err(in_file)?;
     if map.dimension() == Dimension::Two {
         let reason = "it is a map in two dimensions, and scenes are in three; bake a mesh: volmap bake MESH";
