@@ -20,7 +20,7 @@ use volmap_bake::density_map::DensitySettings;
 use volmap_bake::plan::{GridChoice, Precision, Settings};
 use volmap_bake::volume_map::quadrature::Rule;
 use volmap_formats::asset::{self, Array, Asset, AssetError, CellRun, Compression, DensityField, Rounded};
-use volmap_runtime::{DVec2, DVec3, Density, Error, Sample, VolumeMap};
+use volmap_runtime::{DVec2, DVec3, Error, MapDensity, Sample, VolumeMap};
 use volmap_tests::{Random, SPHERE, asset_of, compute};
 
 #[global_allocator]
@@ -139,7 +139,7 @@ fn originals() -> [Original; 7] {
 }
 
 /// All that a map says of a point.
-type Answer = (Sample, Option<Density>);
+type Answer = (Sample, Option<MapDensity>);
 
 /// 64 fixed points in and around the domain.
 fn samples(map: &VolumeMap) -> Vec<Answer> {

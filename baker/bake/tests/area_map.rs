@@ -6,11 +6,11 @@ use volmap_bake::area_map::disc::DiscRule;
 use volmap_bake::area_map::outline::OutlineDistance;
 use volmap_bake::area_map::{AreaDensity, AreaSettings, bake};
 use volmap_bake::density_map::oracle::extension as gamma;
-use volmap_bake::density_map::smoothing::Smoothing;
 use volmap_bake::plan::{GridChoice, Precision};
 use volmap_bake::volume_map::extension::extension;
 use volmap_formats::asset::{self, Compression};
 use volmap_formats::mesh::Outline;
+use volmap_runtime::KernelKind;
 use volmap_runtime::{DVec3 as Point, Dimension, Sample, VolumeMap};
 
 const RADIUS: f64 = 0.1;
@@ -143,7 +143,7 @@ fn corners_are_the_integrals_over_them() {
 /// gamma W over the half plane: Eq. 9 in the plane, in polar coordinates.
 #[test]
 fn density_of_a_half_plane_is_its_integral() {
-    for kernel in [Smoothing::CubicSpline, Smoothing::WendlandC2] {
+    for kernel in [KernelKind::CubicSpline, KernelKind::WendlandC2] {
         let density = AreaDensity { kernel, rule: DiscRule::Disc(24), extension: 1.0 };
         let settings = AreaSettings { density: Some(density), ..settings(RADIUS / 4.0) };
         let map = map([DVec2::new(-0.1, 0.0), DVec2::new(0.1, 0.0)], |x| x.y, &settings);
@@ -151,7 +151,7 @@ fn density_of_a_half_plane_is_its_integral() {
             let d = 0.11 * RADIUS * f64::from(n) + 0.003 * RADIUS;
             let ring = |s: f64| {
                 let around = integrate(0.0, PI, |t| gamma(d - s * RADIUS * t.cos(), RADIUS));
-                2.0 * around * s * kernel.value_in_plane(s)
+                2.0 * around * s * kernel.unit_value_in_plane(s)
             };
             let exact: f64 = (0..2)
                 .map(|half| {

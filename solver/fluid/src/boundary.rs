@@ -25,7 +25,7 @@ use crate::viscosity::drag::Drag;
 use particles::BodyParticles;
 use rayon::prelude::*;
 use std::sync::Arc;
-use volmap_runtime::{Closure, ClosureKind, DVec3, Density, Kernel, PosedMap, Sample, Values};
+use volmap_runtime::{Closure, ClosureKind, DVec3, Kernel, MapDensity, PosedMap, Sample, Values};
 
 /// All bodies together, as one particle sees them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -101,7 +101,7 @@ struct BlockContacts {
 #[derive(Clone, Debug, Default)]
 struct Scratch {
     samples: Vec<(Sample, DVec3)>,
-    densities: Vec<Option<Density>>,
+    densities: Vec<Option<MapDensity>>,
     points: Vec<DVec3>,
     values: Vec<Values>,
 }
@@ -224,7 +224,7 @@ fn closure(world: &World, fluid: &FluidSettings, kernel: Kernel) -> Closure {
 impl BlockContacts {
     fn touch(&mut self, method: &Method, pairing: Pairing) {
         let BlockContacts { contacts, inside, scratch, .. } = self;
-        pairing.map().sample_with_gradient_batch(pairing.positions, &mut scratch.samples);
+        pairing.map().sample_batch(pairing.positions, &mut scratch.samples);
         inside.extend(scratch.samples.iter().enumerate().filter_map(|(i, (at, _))| pairing.inside(i, at)));
         match method {
             Method::VolumeMap(closure) => volume_map::touch(pairing, closure, &scratch.samples, contacts),
@@ -249,7 +249,7 @@ impl BlockContacts {
                 _ => near.volume,
             };
             let of = [(pairing.first + within) as u32, pairing.body as u32];
-            let wide = volmap_runtime::Boundary { volume, ..*near };
+            let wide = volmap_runtime::Surface { volume, ..*near };
             self.drags.extend(Drag::new(of, pairing.positions[within], &wide, contact, kernel));
         }
     }

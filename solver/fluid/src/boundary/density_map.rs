@@ -47,7 +47,7 @@ pub(super) fn check(bodies: &Bodies, kernel: KernelKind) -> Result<(), Error> {
 /// Adds the contacts of a chunk.
 pub(super) fn touch(pairing: Pairing, scratch: &mut Scratch, contacts: &mut Vec<Contact>) {
     let Scratch { samples, densities, .. } = scratch;
-    pairing.map().density_batch(pairing.positions, densities);
+    pairing.map().sample_batch(pairing.positions, densities);
     for (within, ((sample, _), density)) in samples.iter().zip(densities).enumerate() {
         let (Sample::Near(near), Some(density)) = (sample, density) else { continue };
         // Interpolated, it may be a little below zero.

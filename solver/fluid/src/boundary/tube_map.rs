@@ -25,7 +25,7 @@
 
 use super::density_map::EXTENSION;
 use super::{Contact, Pairing, Scratch};
-use volmap_runtime::{Boundary, DVec3, Kernel, KernelKind, Sample};
+use volmap_runtime::{DVec3, Kernel, KernelKind, Sample, Surface};
 
 /// Step of the differences in support radii: a map's cell as scenes bake it.
 const STEP: f64 = 0.25;
@@ -48,7 +48,7 @@ pub(super) fn touch(pairing: Pairing, kernel: &Kernel, scratch: &mut Scratch, co
     for (_, position, boundary) in near() {
         points.extend(probes(boundary.normal, STEP * radius).map(|offset| position + offset));
     }
-    pairing.map().values_batch(points, values);
+    pairing.map().sample_batch(points, values);
     for ((within, _, boundary), values) in near().zip(values.chunks_exact(PROBES)) {
         let distances: [f64; PROBES] = std::array::from_fn(|n| values[n].distance);
         let curvatures = curvatures(boundary.distance, &distances, STEP * radius).map(|h| h * radius);
@@ -58,7 +58,7 @@ pub(super) fn touch(pairing: Pairing, kernel: &Kernel, scratch: &mut Scratch, co
     }
 }
 
-fn in_reach(sample: &Sample, radius: f64) -> Option<Boundary> {
+fn in_reach(sample: &Sample, radius: f64) -> Option<Surface> {
     sample.near().filter(|near| near.distance < (1.0 + EXTENSION) * radius)
 }
 
