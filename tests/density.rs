@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::sync::Arc;
-use volmap_runtime::KernelKind;
 use volmap_bake::density_map::{DensitySettings, oracle};
 use volmap_bake::plan::{Extent, Settings};
 use volmap_bake::rows::positions;
@@ -12,6 +11,7 @@ use volmap_bake::sdf::field::{DistanceField, Phi};
 use volmap_bake::volume_map::quadrature::{Rule, gauss_legendre};
 use volmap_bake::work::Work;
 use volmap_formats::asset::{self, Compression, Exterior};
+use volmap_runtime::KernelKind;
 use volmap_runtime::layout::Nodes;
 use volmap_runtime::{DQuat, DVec3, MapDensity, Pose, PosedMap, Sample, VolumeMap};
 use volmap_tests::{Random, SPHERE, Solid, TORUS, asset_of, compute, map_of};

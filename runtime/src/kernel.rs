@@ -19,7 +19,7 @@ pub enum KernelKind {
     #[cfg_attr(feature = "serde", serde(alias = "cubic-spline", alias = "cubic"))]
     CubicSpline,
     /// Wendland's C2 function (Wendland 1995), (1 - q)^4 (4 q + 1).
-    #[cfg_attr(feature = "serde", serde(rename = "wendland_c2", alias = "wendland-c2", alias = "wendland"))]
+    #[cfg_attr(feature = "serde", serde(alias = "wendland-c2", alias = "wendland"))]
     WendlandC2,
     /// Spiky (Mueller et al. 2003), (1 - q)^3; its slope doesn't vanish at the centre.
     Spiky,

@@ -11,7 +11,7 @@ use volmap_bake::volume_map::extension::extension;
 use volmap_formats::asset::{self, Compression};
 use volmap_formats::mesh::Outline;
 use volmap_runtime::KernelKind;
-use volmap_runtime::{DVec3 as Point, Dimension, Sample, VolumeMap};
+use volmap_runtime::{DVec3 as Point, Dimension, Sample, SurfaceWithGradient, VolumeMap};
 
 const RADIUS: f64 = 0.1;
 const DISC: f64 = PI * RADIUS * RADIUS;
@@ -72,8 +72,8 @@ fn half_plane_is_its_closed_form() {
     let mut worst = 0.0f64;
     for n in -60..60 {
         let d = (f64::from(n) + 0.37) / 60.0 * 2.0 * RADIUS;
-        let (sample, gradient) = map.sample_with_gradient(at(0.0123 * f64::from(n % 7), d));
-        let near = sample.near().unwrap();
+        let sample = map.sample_with_gradient(at(0.0123 * f64::from(n % 7), d));
+        let SurfaceWithGradient { surface: near, volume_gradient: gradient } = sample.near().unwrap();
         assert!((near.distance - d).abs() < 1e-15 && (near.normal - Point::Y).length() < 1e-12);
         assert!(near.closest_point.y.abs() < 1e-15);
         worst = worst.max((near.volume - half_plane(d, |phi| extension(phi, 1.0 / RADIUS))).abs() / DISC);
