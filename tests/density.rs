@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::sync::Arc;
-use volmap_bake::density_map::smoothing::Smoothing;
 use volmap_bake::density_map::{DensitySettings, oracle};
 use volmap_bake::plan::{Extent, Settings};
 use volmap_bake::rows::positions;
@@ -12,7 +11,9 @@ use volmap_bake::sdf::field::{DistanceField, Phi};
 use volmap_bake::volume_map::quadrature::{Rule, gauss_legendre};
 use volmap_bake::work::Work;
 use volmap_formats::asset::{self, Compression, Exterior};
-use volmap_runtime::{DQuat, DVec3, Density, Nodes, Pose, PosedMap, Sample, VolumeMap};
+use volmap_runtime::KernelKind;
+use volmap_runtime::layout::Nodes;
+use volmap_runtime::{DQuat, DVec3, MapDensity, Pose, PosedMap, Sample, VolumeMap};
 use volmap_tests::{Random, SPHERE, Solid, TORUS, asset_of, compute, map_of};
 
 const R: f64 = 0.1;
@@ -35,7 +36,7 @@ const CONTAINER: Solid = Solid { name: "container", extent: SPHERE.extent, phi: 
 fn lattice_is_the_oracle_at_every_node() {
     let short =
         DensitySettings { extension: 0.2, rule: Rule::GaussLegendre(11), ..DensitySettings::default() };
-    let wendland = DensitySettings { kernel: Smoothing::WendlandC2, rule: Rule::Chord(6), ..short };
+    let wendland = DensitySettings { kernel: KernelKind::WendlandC2, rule: Rule::Chord(6), ..short };
     let cases = [
         (&SPHERE, 9, DensitySettings::default()),
         (&TORUS, 14, short),
@@ -67,7 +68,7 @@ fn lattice_is_the_oracle_at_every_node() {
 }
 
 /// Eq. 9 at distance d from a half space for r = 1, by two exact one-dimensional rules.
-fn half_space(kernel: Smoothing, d: f64) -> f64 {
+fn half_space(kernel: KernelKind, d: f64) -> f64 {
     let integral = |breaks: &[f64], f: &dyn Fn(f64) -> f64| {
         let piece = |ends: &[f64]| {
             let (middle, half) = (0.5 * (ends[0] + ends[1]), 0.5 * (ends[1] - ends[0]));
@@ -78,7 +79,7 @@ fn half_space(kernel: Smoothing, d: f64) -> f64 {
     // W over the disc of the ball at height z.
     let disc = |z: f64| {
         let z = z.abs();
-        2.0 * PI * integral(&[z, z.max(0.5), 1.0], &|q| kernel.value(q) * q)
+        2.0 * PI * integral(&[z, z.max(0.5), 1.0], &|q| kernel.unit_value(q) * q)
     };
     let kink = (1.0 - d).clamp(-1.0, 1.0);
     let mut breaks = vec![-1.0, -0.5, 0.0, 0.5, 1.0, kink];
@@ -88,7 +89,7 @@ fn half_space(kernel: Smoothing, d: f64) -> f64 {
 
 #[test]
 fn a_floor_has_the_density_of_the_half_space() {
-    for kernel in [Smoothing::CubicSpline, Smoothing::WendlandC2] {
+    for kernel in [KernelKind::CubicSpline, KernelKind::WendlandC2] {
         assert!((half_space(kernel, -1.5) - 2.5).abs() < 1e-12 && half_space(kernel, 2.0) == 0.0);
         for (rule, limit) in [(Rule::GaussLegendre(30), 3e-3), (Rule::GaussLegendre(50), 5e-4)] {
             let density = DensitySettings { kernel, rule, ..DensitySettings::default() };
@@ -168,9 +169,9 @@ fn a_density_goes_through_the_file_and_is_known_where_it_can_be() {
     asset::write(&path, &with, Compression::default()).unwrap();
     assert_eq!(asset::read(&path).unwrap(), with);
     let map = VolumeMap::open(&path).unwrap();
-    assert_eq!(map.density_kernel(), Some("cubic_spline"));
-    assert_eq!(map.density(DVec3::splat(9.0)), Some(Density::default()));
-    assert_eq!(map.density(DVec3::NAN), Some(Density::default()));
+    assert_eq!(map.density_kernel(), Some(KernelKind::CubicSpline));
+    assert_eq!(map.density(DVec3::splat(9.0)), Some(MapDensity::default()));
+    assert_eq!(map.density(DVec3::NAN), Some(MapDensity::default()));
     assert_eq!((map.sample(DVec3::ZERO), map.density(DVec3::ZERO)), (Sample::DeepInside, None));
     let at_surface = map.density(DVec3::X * 0.5).unwrap();
     assert!((0.8..1.2).contains(&at_surface.value) && at_surface.gradient.x < -5.0, "{at_surface:?}");
@@ -191,8 +192,8 @@ fn bodies_turn_the_gradient() {
     let points: Vec<DVec3> =
         (0..1_500).map(|_| random.point(map.grid().origin, map.grid().max_corner())).collect();
     let world: Vec<DVec3> = points.iter().map(|&x| pose.to_world(x)).collect();
-    let mut batch = Vec::new();
-    body.density_batch(&world, &mut batch);
+    let mut batch: Vec<Option<MapDensity>> = Vec::new();
+    body.sample_batch(&world, &mut batch);
     let mut near = 0;
     for ((&x, &w), &in_world) in points.iter().zip(&world).zip(&batch) {
         assert_eq!(in_world, body.density(w));

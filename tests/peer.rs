@@ -9,7 +9,7 @@ use volmap_bake::plan::{GridChoice, Precision, Settings};
 use volmap_bake::volume_map::quadrature::Rule;
 use volmap_formats::asset::Array;
 use volmap_formats::mesh::Placement;
-use volmap_runtime::{Family, Nodes};
+use volmap_runtime::layout::{Family, Nodes};
 
 struct Peer {
     domain: [[f64; 3]; 2],
@@ -79,7 +79,7 @@ fn bake_as_peer(mesh: &str, scale: f64, peer: &Peer, density: Option<DensitySett
 
 /// Our number of a node, if it is in the band.
 fn number(nodes: &Nodes, family: Family, [i, j, k]: [u32; 3], third: u32) -> Option<usize> {
-    let holds = |(y, z, it): &(u32, u32, volmap_runtime::NodeInterval)| {
+    let holds = |(y, z, it): &(u32, u32, volmap_runtime::layout::NodeInterval)| {
         (*y, *z) == (j, k) && (it.first..it.end).contains(&i)
     };
     let (.., it) = nodes.intervals(family).find(holds)?;

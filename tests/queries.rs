@@ -5,8 +5,9 @@ use std::sync::Arc;
 use volmap_bake::plan::Settings;
 use volmap_bake::volume_map::quadrature::Rule;
 use volmap_formats::asset::{Array, Asset, CellRun, Exterior, Rounded};
-use volmap_runtime::serendipity::node;
-use volmap_runtime::{Cell, CellIndex, DQuat, DVec3, Family, Nodes, Pose, PosedMap, Sample, VolumeMap};
+use volmap_runtime::layout::serendipity::node;
+use volmap_runtime::layout::{Cell, CellIndex, Family, Nodes};
+use volmap_runtime::{DQuat, DVec3, Pose, PosedMap, Sample, VolumeMap};
 use volmap_tests::{Random, SPHERE, Solid, TORUS, asset_of, compute, map_of};
 
 fn settings() -> Settings {
@@ -165,7 +166,7 @@ fn bodies_share_a_map() {
     let points: Vec<DVec3> =
         (0..2_000).map(|_| random.point(map.grid().origin, map.grid().max_corner())).collect();
     let in_world: Vec<DVec3> = points.iter().map(|&x| pose.to_world(x)).collect();
-    let (mut local, mut world) = (Vec::new(), Vec::new());
+    let (mut local, mut world) = (Vec::<Sample>::new(), Vec::<Sample>::new());
     map.sample_batch(&points, &mut local);
     body.sample_batch(&in_world, &mut world);
     assert_eq!((local.len(), world.len()), (points.len(), points.len()));

@@ -7,7 +7,8 @@ use volmap_bake::sdf::field::DistanceField;
 use volmap_bake::volume_map::oracle;
 use volmap_bake::volume_map::quadrature::Rule;
 use volmap_formats::asset::Exterior;
-use volmap_runtime::{Cell, DVec3, VolumeMap};
+use volmap_runtime::layout::Cell;
+use volmap_runtime::{DVec3, VolumeMap};
 use volmap_tests::{Random, SPHERE, Solid, TORUS, asset_of, compute};
 
 /// A box of 0.8 x 0.5 x 0.3 with a notch: flat faces, edges, a concave edge. Exact outside, a bound inside.

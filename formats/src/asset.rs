@@ -4,6 +4,7 @@
 //! Asset  <- schema ->  Tree (groups, attributes, arrays)  <- write / read ->  HDF5 bytes
 //! ```
 
+mod check;
 mod error;
 pub(crate) mod filters;
 #[cfg(feature = "write")]

@@ -46,8 +46,8 @@ fn all_shapes() -> Vec<Shape> {
 fn accuracy(kernel: &Kernel) {
     println!("{}: ratio to the exact density, largest error\n", kernel.kind());
     // `mirror` isn't meant to be the integral of W.
-    let kinds = ClosureKind::ALL.into_iter().filter(|&kind| kind != ClosureKind::Mirror);
-    let closures: Vec<Closure> = kinds.map(|kind| Closure::new(kind, *kernel, PARTICLE)).collect();
+    let kinds = ClosureKind::ALL.into_iter().filter(|&kind| !kind.has_image());
+    let closures: Vec<Closure> = kinds.map(|kind| closure_of(kind, *kernel, PARTICLE)).collect();
     print!("| shape |");
     closures.iter().for_each(|closure| print!(" {} |", closure.kind()));
     println!(" wedge, probing |\n| --- |{}", " --- |".repeat(closures.len() + 1));
@@ -55,10 +55,10 @@ fn accuracy(kernel: &Kernel) {
         let cases = cases(&shape, kernel, STEPS);
         print!("| {} |", shape.name);
         for closure in &closures {
-            column(&cases, |case| closure.density(&case.boundary, case.position));
+            column(&cases, |case| closure.density(&case.surface, case.position));
         }
-        let wedge = &closures[3];
-        column(&cases, |case| wedge.density_probing(&case.boundary, None, case.position, &shape.phi));
+        let wedge = closures.iter().find(|it| it.kind() == ClosureKind::Wedge).expect("all are there");
+        column(&cases, |case| wedge.density_probing(&case.surface, case.position, &shape.phi));
         println!();
     }
     println!();
@@ -87,11 +87,11 @@ fn times() {
             let start = Instant::now();
             // The volumes are of balls of radius 1: those that the kind's maps have.
             let scale = 1.0 / kind.map_radius(1.0);
-            let closure = Closure::new(kind, Kernel::new(kernel.kind(), scale), scale * PARTICLE);
+            let closure = closure_of(kind, Kernel::new(kernel.kind(), scale), scale * PARTICLE);
             let made = start.elapsed().as_secs_f64() * 1e3;
             let start = Instant::now();
             for case in (0..REPEATS).flat_map(|_| &cases) {
-                black_box(closure.density(black_box(&case.boundary), case.position));
+                black_box(closure.density(black_box(&case.surface), case.position));
             }
             let each = start.elapsed().as_secs_f64() * 1e9 / (REPEATS * cases.len()) as f64;
             rounds.push((each, made));

@@ -6,7 +6,8 @@ use std::time::Instant;
 use volmap_formats::asset::{
     self, Array, Asset, Attributes, CellRun, Compression, Dimension, Exterior, GridSpec, QuadratureSpec,
 };
-use volmap_runtime::{Family, Grid, Nodes, VolumeMap};
+use volmap_runtime::layout::Nodes;
+use volmap_runtime::{DVec3, Grid, VolumeMap};
 
 const RUNS: usize = 40;
 
@@ -59,8 +60,7 @@ fn sphere(n: u32) -> Asset {
     let grid = Grid::from(spec);
     let mut band: Vec<CellRun> = Vec::new();
     for (k, j, i) in (0..n * n * n).map(|c| (c / (n * n), c / n % n, c % n)) {
-        let center =
-            grid.origin + grid.cell_size * (volmap_runtime::DVec3::new(i.into(), j.into(), k.into()) + 0.5);
+        let center = grid.origin + grid.cell_size * (DVec3::new(i.into(), j.into(), k.into()) + 0.5);
         if (center.length() - 0.5).abs() > 0.2 {
             continue;
         }
@@ -70,17 +70,7 @@ fn sphere(n: u32) -> Asset {
         }
     }
     let nodes = Nodes::new(grid.resolution, &band).expect("few nodes");
-    let mut distance = Vec::new();
-    for family in Family::ALL {
-        for (j, k, row) in nodes.intervals(family) {
-            for (i, t) in
-                (row.first..row.end).flat_map(|i| (0..family.nodes_per_point()).map(move |t| (i, t)))
-            {
-                let at = volmap_runtime::DVec3::new(i.into(), j.into(), k.into()) + family.offset(t);
-                distance.push((grid.origin + grid.cell_size * at).length() - 0.5);
-            }
-        }
-    }
+    let distance: Vec<f64> = nodes.positions(&grid).map(|x| x.length() - 0.5).collect();
     let volume = distance.iter().map(|phi: &f64| (0.2 - phi).max(0.0).powi(3) as f32).collect();
     Asset {
         dimension: Dimension::Three,

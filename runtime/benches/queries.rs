@@ -10,7 +10,7 @@ use analytic::{Oracle, Random, asset, single};
 use std::hint::black_box;
 use std::time::Instant;
 use volmap_formats::asset::{Asset, CellRun, GridSpec};
-use volmap_runtime::{DVec3, Grid, Sample, VolumeMap};
+use volmap_runtime::{DVec3, Grid, Sample, Values, VolumeMap};
 
 const ROUNDS: usize = 31;
 const POINTS: usize = 50_000;
@@ -80,7 +80,7 @@ fn seconds(work: impl FnOnce()) -> f64 {
 
 /// Nanoseconds a point: oracle, samples alone, batch, batch of values.
 fn queries(map: &VolumeMap, oracle: &Oracle, points: &[DVec3]) -> [f64; 4] {
-    let (mut samples, mut values) = (Vec::new(), Vec::new());
+    let (mut samples, mut values) = (Vec::<Sample>::new(), Vec::<Values>::new());
     let mut times: [Vec<f64>; 4] = Default::default();
     for _ in 0..ROUNDS {
         times[0].push(seconds(|| {
@@ -92,7 +92,7 @@ fn queries(map: &VolumeMap, oracle: &Oracle, points: &[DVec3]) -> [f64; 4] {
             samples.extend(points.iter().map(|&x| map.sample(x)));
         }));
         times[2].push(seconds(|| map.sample_batch(points, &mut samples)));
-        times[3].push(seconds(|| map.values_batch(points, &mut values)));
+        times[3].push(seconds(|| map.sample_batch(points, &mut values)));
         black_box::<&[Sample]>(&samples);
         black_box(&values);
     }

@@ -5,13 +5,13 @@
 
 #[cfg(target_arch = "x86_64")]
 use crate::avx2;
-use crate::cells::{Found, Place};
-use crate::density::Density;
-use crate::element::{Cube, Cubes, Numbers as CellNumbers, Rows, Shared, Weights, differences};
-use crate::fields::{Fields, Numbers, Storage, rows};
+use crate::element::{Cube, Cubes, Numbers, Rows, Shared, Weights, differences};
 use crate::grid::Grid;
 use crate::lanes::{LANES, Lanes, Plain, Work};
-use crate::query::{Boundary, Sample, Values, VolumeMap};
+use crate::layout::{Found, Place};
+use crate::map::VolumeMap;
+use crate::sample::{MapDensity, Sample, Surface, SurfaceWithGradient, Values};
+use crate::storage::{Pairs, Singles, Storage, rows};
 use glam::{DVec3, UVec3};
 use volmap_formats::asset::Exterior;
 
@@ -19,7 +19,7 @@ use volmap_formats::asset::Exterior;
 const BLOCK: usize = 64;
 
 /// What a batch answers of each point.
-pub(crate) trait Answer: Copy {
+pub(crate) trait Evaluate: Copy {
     fn outside(map: &VolumeMap) -> Self;
     fn deep_inside(map: &VolumeMap) -> Self;
     /// Answers the points `which` of `out`, at most four, which are in the band.
@@ -29,14 +29,14 @@ pub(crate) trait Answer: Copy {
     #[inline(always)]
     fn all<V: Lanes>(map: &VolumeMap, points: &[DVec3], out: &mut [Self]) {
         match &map.fields {
-            Fields::F32(nodes) => answers::<V, _, Self>(map, nodes.as_slice(), points, out),
-            Fields::F64(nodes) => answers::<V, _, Self>(map, nodes.as_slice(), points, out),
-            Fields::Rounded(multiples) => answers::<V, _, Self>(map, multiples, points, out),
+            Pairs::F32(nodes) => answers::<V, _, Self>(map, nodes.as_slice(), points, out),
+            Pairs::F64(nodes) => answers::<V, _, Self>(map, nodes.as_slice(), points, out),
+            Pairs::Rounded(multiples) => answers::<V, _, Self>(map, multiples, points, out),
         }
     }
 }
 
-impl Answer for Values {
+impl Evaluate for Values {
     #[inline(always)]
     fn outside(_: &VolumeMap) -> Values {
         Values { distance: f64::INFINITY, volume: 0.0 }
@@ -57,7 +57,7 @@ impl Answer for Values {
     }
 }
 
-impl Answer for Sample {
+impl Evaluate for Sample {
     #[inline(always)]
     fn outside(_: &VolumeMap) -> Sample {
         Sample::Outside
@@ -83,7 +83,7 @@ impl Answer for Sample {
         let n = [n[0].array(), n[1].array(), n[2].array()];
         let (distance, volume) = (distance.array(), volume.array());
         for (lane, &point) in which.iter().enumerate() {
-            out[point as usize] = Sample::Near(Boundary {
+            out[point as usize] = Sample::Near(Surface {
                 distance: distance[lane],
                 normal: DVec3::new(n[0][lane], n[1][lane], n[2][lane]),
                 closest_point: DVec3::new(x[lane], y[lane], z[lane]),
@@ -93,58 +93,64 @@ impl Answer for Sample {
     }
 }
 
-impl Answer for (Sample, DVec3) {
+impl Evaluate for Sample<SurfaceWithGradient> {
     #[inline(always)]
-    fn outside(_: &VolumeMap) -> (Sample, DVec3) {
-        (Sample::Outside, DVec3::ZERO)
+    fn outside(_: &VolumeMap) -> Sample<SurfaceWithGradient> {
+        Sample::Outside
     }
 
     #[inline(always)]
-    fn deep_inside(_: &VolumeMap) -> (Sample, DVec3) {
-        (Sample::DeepInside, DVec3::ZERO)
+    fn deep_inside(_: &VolumeMap) -> Sample<SurfaceWithGradient> {
+        Sample::DeepInside
     }
 
     #[inline(always)]
-    fn near<V: Lanes>(map: &VolumeMap, at: &Evaluated<V>, which: &[u32], out: &mut [(Sample, DVec3)]) {
+    fn near<V: Lanes>(
+        map: &VolumeMap,
+        at: &Evaluated<V>,
+        which: &[u32],
+        out: &mut [Sample<SurfaceWithGradient>],
+    ) {
         let mut samples = [Sample::Outside; LANES];
         let lanes = [0, 1, 2, 3];
-        <Sample as Answer>::near(map, at, &lanes[..which.len()], &mut samples);
+        <Sample as Evaluate>::near(map, at, &lanes[..which.len()], &mut samples);
         let slope = at.volume.gradient(&at.weights);
         let slope = [slope[0].array(), slope[1].array(), slope[2].array()];
         for (lane, &point) in which.iter().enumerate() {
             let gradient = map.per_cell * DVec3::new(slope[0][lane], slope[1][lane], slope[2][lane]);
-            out[point as usize] = (samples[lane], gradient);
+            out[point as usize] =
+                samples[lane].map(|surface| SurfaceWithGradient { surface, volume_gradient: gradient });
         }
     }
 }
 
-impl Answer for Option<Density> {
+impl Evaluate for Option<MapDensity> {
     #[inline(always)]
-    fn outside(_: &VolumeMap) -> Option<Density> {
-        Some(Density::default())
+    fn outside(_: &VolumeMap) -> Option<MapDensity> {
+        Some(MapDensity::default())
     }
 
     #[inline(always)]
-    fn deep_inside(_: &VolumeMap) -> Option<Density> {
+    fn deep_inside(_: &VolumeMap) -> Option<MapDensity> {
         None
     }
 
     #[inline(always)]
-    fn near<V: Lanes>(map: &VolumeMap, at: &Evaluated<V>, which: &[u32], out: &mut [Option<Density>]) {
+    fn near<V: Lanes>(map: &VolumeMap, at: &Evaluated<V>, which: &[u32], out: &mut [Option<MapDensity>]) {
         let (value, slope) = (at.volume.value(&at.weights).array(), at.volume.gradient(&at.weights));
         let slope = [slope[0].array(), slope[1].array(), slope[2].array()];
         for (lane, &point) in which.iter().enumerate() {
             let gradient = map.per_cell * DVec3::new(slope[0][lane], slope[1][lane], slope[2][lane]);
-            out[point as usize] = Some(Density { value: value[lane], gradient });
+            out[point as usize] = Some(MapDensity { value: value[lane], gradient });
         }
     }
 
     #[inline(always)]
-    fn all<V: Lanes>(map: &VolumeMap, points: &[DVec3], out: &mut [Option<Density>]) {
+    fn all<V: Lanes>(map: &VolumeMap, points: &[DVec3], out: &mut [Option<MapDensity>]) {
         match map.density.as_ref().map(|density| &density.numbers) {
-            Some(Numbers::F32(nodes)) => answers::<V, _, Self>(map, nodes.as_slice(), points, out),
-            Some(Numbers::F64(nodes)) => answers::<V, _, Self>(map, nodes.as_slice(), points, out),
-            Some(Numbers::Rounded(steps)) => answers::<V, _, Self>(map, steps, points, out),
+            Some(Singles::F32(nodes)) => answers::<V, _, Self>(map, nodes.as_slice(), points, out),
+            Some(Singles::F64(nodes)) => answers::<V, _, Self>(map, nodes.as_slice(), points, out),
+            Some(Singles::Rounded(steps)) => answers::<V, _, Self>(map, steps, points, out),
             None => out.fill(None),
         }
     }
@@ -160,7 +166,7 @@ pub(crate) struct Evaluated<V> {
 
 impl<V: Lanes> Evaluated<V> {
     #[inline(always)]
-    fn new(numbers: &impl CellNumbers<V>, points: [V; 3], f: [V; 3]) -> Evaluated<V> {
+    fn new(numbers: &impl Numbers<V>, points: [V; 3], f: [V; 3]) -> Evaluated<V> {
         let weights = Weights::new(f);
         let [distance, volume] = Cubes::of_both(numbers, &weights);
         Evaluated { points, weights, distance, volume }
@@ -176,7 +182,7 @@ fn unit<V: Lanes>(v: [V; 3]) -> [V; 3] {
 }
 
 /// Answers for all points, with the widest vectors that this processor has; `out` is as long as `points`.
-pub(crate) fn answer_all<A: Answer>(map: &VolumeMap, points: &[DVec3], out: &mut [A]) {
+pub(crate) fn answer_all<A: Evaluate>(map: &VolumeMap, points: &[DVec3], out: &mut [A]) {
     let all = All { map, points, out };
     #[cfg(target_arch = "x86_64")]
     let Some(all) = avx2::run(all) else { return };
@@ -190,7 +196,7 @@ struct All<'a, A> {
     out: &'a mut [A],
 }
 
-impl<A: Answer> Work for All<'_, A> {
+impl<A: Evaluate> Work for All<'_, A> {
     #[inline(always)]
     fn run<V: Lanes>(self) {
         A::all::<V>(self.map, self.points, self.out);
@@ -198,7 +204,7 @@ impl<A: Answer> Work for All<'_, A> {
 }
 
 #[inline(always)]
-fn answers<V: Lanes, S: Storage + ?Sized, A: Answer>(
+fn answers<V: Lanes, S: Storage + ?Sized, A: Evaluate>(
     map: &VolumeMap,
     fields: &S,
     points: &[DVec3],
@@ -211,7 +217,7 @@ fn answers<V: Lanes, S: Storage + ?Sized, A: Answer>(
 }
 
 #[inline(always)]
-fn blocks<V: Lanes, S: Storage + ?Sized, A: Answer>(
+fn blocks<V: Lanes, S: Storage + ?Sized, A: Evaluate>(
     map: &VolumeMap,
     fields: &S,
     points: &[DVec3],
@@ -286,7 +292,7 @@ impl Near {
 
 /// Answers the points beyond the band, and lists the others. There are as many as `out` is long.
 #[inline(always)]
-fn collect<V: Lanes, A: Answer>(map: &VolumeMap, points: &[DVec3; BLOCK], out: &mut [A], near: &mut Near) {
+fn collect<V: Lanes, A: Evaluate>(map: &VolumeMap, points: &[DVec3; BLOCK], out: &mut [A], near: &mut Near) {
     let mut hint = map.cells.hint();
     near.count = 0;
     let fours = points.as_chunks::<LANES>().0.iter().zip(out.chunks_mut(LANES));
@@ -316,7 +322,7 @@ fn collect<V: Lanes, A: Answer>(map: &VolumeMap, points: &[DVec3; BLOCK], out: &
 }
 
 /// Beyond the domain.
-fn beyond<A: Answer>(map: &VolumeMap, point: DVec3) -> A {
+fn beyond<A: Evaluate>(map: &VolumeMap, point: DVec3) -> A {
     match map.exterior {
         Exterior::Solid if point.is_finite() => A::deep_inside(map),
         _ => A::outside(map),
@@ -417,7 +423,7 @@ fn all_differences<V: Lanes, S: Storage + ?Sized>(map: &VolumeMap, fields: &S, p
     ]
 }
 
-impl<V: Lanes> CellNumbers<V> for Apart<V> {
+impl<V: Lanes> Numbers<V> for Apart<V> {
     #[inline(always)]
     fn cube(&self, cube: usize) -> Cube<V> {
         let [a, b, c, d] = &self.0;
@@ -433,7 +439,7 @@ impl<V: Lanes> CellNumbers<V> for Apart<V> {
 
 /// The answer for one point.
 #[inline(always)]
-fn one<V: Lanes, S: Storage + ?Sized, A: Answer>(map: &VolumeMap, fields: &S, point: DVec3, out: &mut A) {
+fn one<V: Lanes, S: Storage + ?Sized, A: Evaluate>(map: &VolumeMap, fields: &S, point: DVec3, out: &mut A) {
     let Some((cell, f)) = map.grid.cell_and_place(point) else {
         *out = beyond(map, point);
         return;
@@ -482,16 +488,16 @@ mod tests {
             assert!((1_000..points.len()).contains(&near), "{near}");
             let bits = |samples: &[Sample]| format!("{samples:?}");
             assert_eq!(bits(&wide), bits(&plain));
-            let (mut wide, mut others) = (vec![None::<Density>; points.len()], vec![None; points.len()]);
+            let (mut wide, mut others) = (vec![None::<MapDensity>; points.len()], vec![None; points.len()]);
             answer_all(&map, &points, &mut wide);
             All { map: &map, points: &points, out: &mut others }.run::<Plain>();
             assert_eq!(format!("{wide:?}"), format!("{others:?}"));
-            let mut sloped = vec![(Sample::Outside, DVec3::ZERO); points.len()];
+            let mut sloped = vec![Sample::<SurfaceWithGradient>::Outside; points.len()];
             let mut others = sloped.clone();
             answer_all(&map, &points, &mut sloped);
             All { map: &map, points: &points, out: &mut others }.run::<Plain>();
             assert_eq!(format!("{sloped:?}"), format!("{others:?}"));
-            assert!(sloped.iter().map(|both| both.0).eq(plain.iter().copied()));
+            assert!(sloped.iter().map(|near| near.map(|near| near.surface)).eq(plain.iter().copied()));
             for (&point, &expected) in points.iter().zip(&plain) {
                 let mut alone = Sample::Outside;
                 All { map: &map, points: &[point], out: std::slice::from_mut(&mut alone) }.run::<Plain>();

@@ -3,13 +3,13 @@
 use std::path::PathBuf;
 use volmap_formats::asset::AssetError;
 
-/// Why a map can't be opened.
+/// Why a map can't be opened. The text says it all: it is not in `source` again.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// The file isn't a sound asset.
     #[error(transparent)]
     Asset(#[from] AssetError),
-    /// The asset contradicts itself.
+    /// The asset can't be a map: its nodes aren't those of its cells.
     #[error("`{what}` {reason}; bake the asset again")]
     Inconsistent {
         /// Path of the dataset.
@@ -18,12 +18,12 @@ pub enum Error {
         reason: String,
     },
     /// The file named has the problem named.
-    #[error("{}: {source}", path.display())]
+    #[error("{}: {error}", path.display())]
     InFile {
         /// The file.
         path: PathBuf,
         /// The problem.
-        source: Box<Error>,
+        error: Box<Error>,
     },
 }
 

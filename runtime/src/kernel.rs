@@ -11,13 +11,15 @@ use volmap_formats::asset::Dimension;
 
 /// SPH kernels, all scaled to the support radius.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum KernelKind {
     /// Cubic spline (Monaghan 1992), the usual one.
     #[default]
+    #[cfg_attr(feature = "serde", serde(alias = "cubic-spline", alias = "cubic"))]
     CubicSpline,
     /// Wendland's C2 function (Wendland 1995), (1 - q)^4 (4 q + 1).
+    #[cfg_attr(feature = "serde", serde(alias = "wendland-c2", alias = "wendland"))]
     WendlandC2,
     /// Spiky (Mueller et al. 2003), (1 - q)^3; its slope doesn't vanish at the centre.
     Spiky,
@@ -66,10 +68,40 @@ impl KernelKind {
         }
     }
 
-    fn name(self) -> &'static str {
+    /// [`KernelKind::unit_value`] of the kernel in two dimensions (r^2 W).
+    pub fn unit_value_in_plane(self, q: f64) -> f64 {
+        self.plane_thickness() * self.unit_value(q)
+    }
+
+    /// pi times the integral of W along a line from the centre outwards, for support radius 1.
+    pub fn line_integral(self) -> f64 {
         match self {
-            KernelKind::CubicSpline => "cubic-spline",
-            KernelKind::WendlandC2 => "wendland-c2",
+            KernelKind::CubicSpline => 3.0,
+            KernelKind::WendlandC2 => 3.5,
+            KernelKind::Spiky => 3.75,
+            KernelKind::Poly6 => 2.25,
+        }
+    }
+
+    /// W_1: the integral of W over a plane at distance z >= 0 from the centre, for support radius 1.
+    #[inline]
+    pub fn sheet_integral(self, z: f64) -> f64 {
+        let u = (1.0 - z).max(0.0);
+        // The integral of v^3 (1 - v).
+        let cubic = |v: f64| v.powi(4) * (0.25 - 0.2 * v);
+        match self {
+            KernelKind::CubicSpline => 32.0 * cubic(u) - 4.0 * cubic((1.0 - 2.0 * z).max(0.0)),
+            KernelKind::WendlandC2 => u.powi(5) * (21.0 - 31.5 * u + 12.0 * u * u),
+            KernelKind::Spiky => 30.0 * cubic(u),
+            KernelKind::Poly6 => 315.0 / 256.0 * (1.0 - z * z).max(0.0).powi(4),
+        }
+    }
+
+    /// Its name, as files and messages have it.
+    pub fn name(self) -> &'static str {
+        match self {
+            KernelKind::CubicSpline => "cubic_spline",
+            KernelKind::WendlandC2 => "wendland_c2",
             KernelKind::Spiky => "spiky",
             KernelKind::Poly6 => "poly6",
         }
@@ -85,9 +117,17 @@ impl fmt::Display for KernelKind {
 impl FromStr for KernelKind {
     type Err = String;
 
+    /// Of its name; `cubic-spline`, `wendland-c2`, `cubic` and `wendland`, which older files have, are understood too.
     fn from_str(text: &str) -> Result<KernelKind, String> {
+        match text {
+            "cubic-spline" | "cubic" => return Ok(KernelKind::CubicSpline),
+            "wendland-c2" | "wendland" => return Ok(KernelKind::WendlandC2),
+            _ => {}
+        }
         let known = KernelKind::ALL.into_iter().find(|kind| kind.name() == text);
-        known.ok_or_else(|| format!("`{text}` is no kernel; take cubic-spline, wendland-c2, spiky or poly6"))
+        known.ok_or_else(|| {
+            format!("`{text}` is no kernel; take {}", KernelKind::ALL.map(KernelKind::name).join(", "))
+        })
     }
 }
 
@@ -151,7 +191,7 @@ impl Kernel {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::closure::quadrature::integrate;
+    use crate::quadrature::integrate;
 
     const RADIUS: f64 = 0.1;
 
@@ -198,10 +238,33 @@ mod tests {
     }
 
     #[test]
-    fn names_are_read_back() {
+    fn integrals_over_lines_and_sheets_are_those_of_the_value() {
+        for kind in KernelKind::ALL {
+            let line = PI
+                * (integrate(0.0, 0.5, |q| kind.unit_value(q)) + integrate(0.5, 1.0, |q| kind.unit_value(q)));
+            assert!((line - kind.line_integral()).abs() < 1e-14, "{kind}: {line}");
+            for z in [0.0, 0.2, 0.5, 0.7, 1.0, 1.2_f64] {
+                let ring = |s: f64| 2.0 * PI * s * kind.unit_value(s);
+                let (low, middle) = (z.min(1.0), z.clamp(0.5, 1.0));
+                let sum = integrate(low, middle, ring) + integrate(middle, 1.0, ring);
+                assert!((sum - kind.sheet_integral(z)).abs() < 1e-14, "{kind} at {z}: {sum}");
+            }
+        }
+    }
+
+    #[test]
+    fn names_are_read_back_and_old_ones_understood() {
         for kind in KernelKind::ALL {
             assert_eq!(kind.to_string().parse(), Ok(kind));
         }
-        assert!("cubic".parse::<KernelKind>().unwrap_err().contains("cubic-spline"));
+        for (old, kind) in [
+            ("cubic-spline", KernelKind::CubicSpline),
+            ("cubic", KernelKind::CubicSpline),
+            ("wendland-c2", KernelKind::WendlandC2),
+            ("wendland", KernelKind::WendlandC2),
+        ] {
+            assert_eq!(old.parse(), Ok(kind));
+        }
+        assert!("quintic".parse::<KernelKind>().unwrap_err().contains("cubic_spline, wendland_c2"));
     }
 }

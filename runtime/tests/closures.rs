@@ -3,7 +3,9 @@
 mod shapes;
 
 use shapes::*;
-use volmap_runtime::{Boundary, Closure, ClosureKind, DVec3, Kernel, KernelKind};
+use volmap_runtime::{
+    Closure, ClosureError, ClosureKind, DVec3, Kernel, KernelKind, Surface, SurfaceWithGradient,
+};
 
 const STEPS: i32 = 64;
 
@@ -12,7 +14,7 @@ fn kernel() -> Kernel {
 }
 
 fn closure(kind: ClosureKind) -> Closure {
-    Closure::new(kind, kernel(), PARTICLE)
+    closure_of(kind, kernel(), PARTICLE)
 }
 
 /// The least and the largest ratio of a closure's density to the exact one.
@@ -23,7 +25,7 @@ fn range(cases: &[Case], density: impl Fn(&Case) -> f64) -> (f64, f64) {
 
 fn plain(kind: ClosureKind) -> impl Fn(&Case) -> f64 {
     let closure = closure(kind);
-    move |case| closure.density(&case.boundary, case.position).unwrap().density
+    move |case| closure.density(&case.surface, case.position).unwrap().density
 }
 
 /// As printed where these closures were first measured: cubic spline, rp = r / 4, d = 0.25 to 2.5 rp.
@@ -57,7 +59,7 @@ fn densities_have_the_published_ratios() {
 fn wedge_is_right_around_convex_edges() {
     let probing = closure(ClosureKind::Wedge);
     let probed = |shape: &Shape, case: &Case| {
-        probing.density_probing(&case.boundary, None, case.position, &shape.phi).unwrap().density
+        probing.density_probing(&case.surface, case.position, &shape.phi).unwrap().density
     };
     for shape in [convex_edge(), around_convex_edge()] {
         let cases = cases(&shape, &kernel(), STEPS);
@@ -86,12 +88,13 @@ fn gradient_errors(shape: &Shape, kind: ClosureKind) -> [f64; 2] {
     for d in [0.5, 1.0, 2.0].map(|d| PARTICLE * d) {
         for x in (shape.places)(d) {
             let (_, volume) = integrate(&shape.phi, &kernel, x, 48);
-            let boundary = boundary(&shape.phi, x, volume);
+            let surface = surface(&shape.phi, x, volume);
             let (exact, volume_gradient) = gradients(shape, &kernel, x, 48);
-            let flat = Boundary { volume: integrate(&|x| x.z, &kernel, d * DVec3::Z, 48).1, ..boundary };
+            let flat = Surface { volume: integrate(&|x| x.z, &kernel, d * DVec3::Z, 48).1, ..surface };
             let scale = wall.density(&flat, x).unwrap().gradient.length();
-            let simple = closure.density(&boundary, x).unwrap().gradient;
-            let full = closure.density_with_gradient(&boundary, volume_gradient, x).unwrap().gradient;
+            let simple = closure.density(&surface, x).unwrap().gradient;
+            let near = SurfaceWithGradient { surface, volume_gradient };
+            let full = closure.density(&near, x).unwrap().gradient;
             sums[0] += (simple - exact).length_squared() / (scale * scale);
             sums[1] += (full - exact).length_squared() / (scale * scale);
             count += 1.0;
@@ -119,13 +122,13 @@ fn mirror_fills_edges_and_corners() {
     // In support radii of the map: those of the kernel are four times as long.
     let particle = 1.0;
     let kernel = Kernel::new(KernelKind::CubicSpline, 4.0);
-    let mirror = Closure::new(ClosureKind::Mirror, kernel, particle);
+    let mirror = closure_of(ClosureKind::Mirror, kernel, particle);
     for (count, slack) in [(1, 2e-3), (2, 0.025), (3, 0.045)] {
         // Walls in the last `count` axes.
         let phi = |x: DVec3| x.to_array()[3 - count..].iter().copied().fold(f64::INFINITY, f64::min);
         let x = particle * DVec3::ONE;
         let (_, volume) = integrate(&phi, &Kernel::new(KernelKind::CubicSpline, 1.0), x, STEPS);
-        let wall = mirror.density(&boundary(&phi, x, volume), x).unwrap().density;
+        let wall = mirror.density(&surface(&phi, x, volume), x).unwrap().density;
         let from = |axis: usize| if axis < 3 - count { -3 } else { 0 };
         let steps = (0..343).map(|n| [n % 7 - 3, n / 7 % 7 - 3, n / 49 - 3]);
         let fluid: f64 = steps
@@ -134,4 +137,38 @@ fn mirror_fills_edges_and_corners() {
             .sum();
         assert!((fluid + wall - 1.0).abs() < slack, "{count} walls: {fluid} + {wall}");
     }
+}
+
+/// A closure and a map that don't belong together are refused, with the numbers that would.
+#[test]
+fn maps_of_another_radius_are_refused() {
+    let kernel = Kernel::new(KernelKind::CubicSpline, 0.1);
+    for kind in ClosureKind::ALL {
+        let needed = kind.map_radius(0.1);
+        // As near as single precision.
+        assert!(map_of(f64::from(needed as f32)).closure(kind, kernel, 0.025).is_ok(), "{kind}");
+        for found in [0.05, 0.0251, 0.1001] {
+            let error = map_of(found).closure(kind, kernel, 0.025).unwrap_err();
+            assert_eq!(error, ClosureError::MapRadius { kind, kernel_radius: 0.1, needed, found });
+        }
+    }
+    let error = map_of(0.1).closure(ClosureKind::Mirror, kernel, 0.025).unwrap_err().to_string();
+    let expected = "closure `mirror` with a kernel of support radius 0.1 m needs a map of support radius 0.025 m; \
+                    this map's is 0.1 m";
+    assert_eq!(error, expected);
+    let closure = map_of(0.1).closure(ClosureKind::Wedge, kernel, 0.025).unwrap();
+    assert!(closure.check(&map_of(0.1)).is_ok() && closure.check(&map_of(0.025)).is_err());
+}
+
+#[test]
+fn what_is_no_length_or_of_another_dimension_is_refused() {
+    let map = map_of(0.1);
+    let kernel = Kernel::new(KernelKind::CubicSpline, 0.1);
+    for found in [0.0, -0.025, f64::INFINITY, f64::NAN] {
+        let error = map.closure(ClosureKind::Paper, kernel, found).unwrap_err();
+        assert!(matches!(error, ClosureError::ParticleRadius { .. }), "{error}");
+    }
+    let in_plane = Kernel::in_plane(KernelKind::CubicSpline, 0.1);
+    let error = map.closure(ClosureKind::Paper, in_plane, 0.025).unwrap_err();
+    assert_eq!(error, ClosureError::Dimension { map: 3, kernel: 2 });
 }

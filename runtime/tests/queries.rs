@@ -122,7 +122,7 @@ fn batches_of_any_order_and_length_have_the_bits_of_single_samples() {
             for length in [0, 1, 2, 3, 4, 5, 63, 64, 65, 130, points.len()] {
                 let part = &points[points.len() - length..];
                 map.sample_batch(part, &mut samples);
-                map.values_batch(part, &mut values);
+                map.sample_batch(part, &mut values);
                 assert_eq!((samples.len(), values.len()), (length, length));
                 for ((&point, &sample), &value) in part.iter().zip(&samples).zip(&values) {
                     assert_eq!(numbers(sample), numbers(map.sample(point)), "{point} in round {round}");
@@ -162,9 +162,9 @@ fn batches_of_a_body_have_the_bits_of_its_single_samples() {
         let body = PosedMap { map: Arc::new(map), pose };
         let points: Vec<DVec3> =
             points(&mut Random(11), body.map.grid()).into_iter().map(|x| pose.to_world(x)).collect();
-        let (mut samples, mut values) = (Vec::new(), Vec::new());
+        let (mut samples, mut values) = (Vec::<Sample>::new(), Vec::<Values>::new());
         body.sample_batch(&points, &mut samples);
-        body.values_batch(&points, &mut values);
+        body.sample_batch(&points, &mut values);
         assert_eq!((samples.len(), values.len()), (points.len(), points.len()));
         for ((&point, &sample), &value) in points.iter().zip(&samples).zip(&values) {
             assert_eq!(numbers(sample), numbers(body.sample(point)), "{point}");
@@ -184,7 +184,7 @@ fn densities_are_those_of_the_oracle_alone_and_in_batches() {
             let oracle = Oracle::new(&double_of(&asset));
             let points = points(&mut Random(5), map.grid());
             let mut batch = vec![None; 3];
-            map.density_batch(&points, &mut batch);
+            map.sample_batch(&points, &mut batch);
             assert_eq!(batch.len(), points.len());
             for (&point, &found) in points.iter().zip(&batch) {
                 assert_eq!(found, map.density(point), "{point}");

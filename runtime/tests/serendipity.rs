@@ -2,26 +2,11 @@
 
 use proptest::prelude::*;
 use volmap_runtime::DVec3;
-use volmap_runtime::serendipity::{NODES, node, shape, shape_and_gradient};
+use volmap_runtime::layout::serendipity::monomials::{BASE, POWERS, X2, X3, Y2, Y3, Z2, Z3};
+use volmap_runtime::layout::serendipity::{NODES, node, shape, shape_and_gradient};
 
-/// The 32 monomials of the cubic Serendipity space: superlinear degree at most 3 (Arnold and Awanou 2011).
-fn monomials() -> Vec<[i32; 3]> {
-    let mut out = Vec::new();
-    for a in 0..4 {
-        for b in 0..4 {
-            for c in 0..4 {
-                let superlinear: i32 = [a, b, c].into_iter().filter(|&e| e > 1).sum();
-                if superlinear <= 3 && [a, b, c].into_iter().filter(|&e| e > 1).count() <= 1 {
-                    out.push([a, b, c]);
-                }
-            }
-        }
-    }
-    out
-}
-
-fn monomial(e: [i32; 3], x: DVec3) -> f64 {
-    x.x.powi(e[0]) * x.y.powi(e[1]) * x.z.powi(e[2])
+fn monomial(e: [u8; 3], x: DVec3) -> f64 {
+    x.x.powi(e[0].into()) * x.y.powi(e[1].into()) * x.z.powi(e[2].into())
 }
 
 #[test]
@@ -34,9 +19,18 @@ fn nodes_are_kronecker_deltas() {
     }
 }
 
+/// Superlinear degree at most 3 (Arnold and Awanou 2011), in three dimensions and with 32 different ones: all of them.
 #[test]
-fn space_has_32_monomials() {
-    assert_eq!(monomials().len(), NODES);
+fn monomials_are_those_of_the_space() {
+    for (at, powers) in POWERS.iter().enumerate() {
+        let superlinear: u8 = powers.iter().filter(|&&power| power > 1).sum();
+        assert!(superlinear <= 3 && !POWERS[..at].contains(powers), "{powers:?}");
+    }
+    let first = [(BASE, [0, 0, 0]), (X2, [2, 0, 0]), (X3, [3, 0, 0]), (Y2, [0, 2, 0]), (Y3, [0, 3, 0])];
+    for (at, powers) in first.into_iter().chain([(Z2, [0, 0, 2]), (Z3, [0, 0, 3])]) {
+        assert_eq!(POWERS[at], powers);
+    }
+    assert_eq!((POWERS[BASE + 5], POWERS[Y3 + 2]), ([1, 0, 1], [0, 3, 1]));
 }
 
 proptest! {
@@ -52,7 +46,7 @@ proptest! {
     fn every_serendipity_monomial_is_reproduced(x in -1.0..=1.0, y in -1.0..=1.0, z in -1.0..=1.0) {
         let xi = DVec3::new(x, y, z);
         let n = shape(xi);
-        for e in monomials() {
+        for e in POWERS {
             let interpolated: f64 = (0..NODES).map(|a| n[a] * monomial(e, node(a))).sum();
             prop_assert!((interpolated - monomial(e, xi)).abs() < 1e-12, "{e:?}");
         }

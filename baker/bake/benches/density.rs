@@ -9,13 +9,13 @@ use glam::DVec3;
 use shapes::{SHAPES, points};
 use volmap_bake::density_map::cost::{Cost, Costs, measure, paper_settings, unit_cube};
 use volmap_bake::density_map::oracle::density;
-use volmap_bake::density_map::smoothing::Smoothing;
 use volmap_bake::density_map::{DensitySettings, compute_density};
 use volmap_bake::maps::compute_maps;
 use volmap_bake::plan::{Extent, GridChoice, Settings, plan};
 use volmap_bake::volume_map::quadrature::Rule;
-use volmap_runtime::serendipity::shape_and_gradient;
-use volmap_runtime::{Cell, CellIndex};
+use volmap_runtime::KernelKind;
+use volmap_runtime::layout::serendipity::shape_and_gradient;
+use volmap_runtime::layout::{Cell, CellIndex};
 
 const RULES: [&str; 11] =
     ["gl30", "gl50", "gl100", "ball5", "ball6", "ball8", "ball10", "chord6", "chord8", "chord10", "chord12"];
@@ -28,7 +28,7 @@ fn errors(phi: fn(DVec3) -> f64, settings: &DensitySettings, reference: &[(DVec3
     [all.iter().copied().fold(0.0, f64::max), (squares / all.len() as f64).sqrt()]
 }
 
-fn rules(kernel: Smoothing) {
+fn rules(kernel: KernelKind) {
     let with = |rule: Rule| DensitySettings { kernel, rule, ..DensitySettings::default() };
     let converged = with(Rule::GaussLegendre(200));
     let references: Vec<Vec<(DVec3, f64)>> = SHAPES
@@ -138,6 +138,6 @@ fn main() {
     costs();
     jumps();
     if !std::env::args().any(|argument| argument == "costs") {
-        [Smoothing::CubicSpline, Smoothing::WendlandC2].into_iter().for_each(rules);
+        [KernelKind::CubicSpline, KernelKind::WendlandC2].into_iter().for_each(rules);
     }
 }

@@ -16,7 +16,6 @@ pub mod outline;
 
 use crate::bake::stored;
 use crate::density_map::oracle::extension as gamma;
-use crate::density_map::smoothing::Smoothing;
 use crate::error::Error;
 use crate::plan::{self, Extent, GridChoice, Precision};
 use crate::rows::NodeRow;
@@ -27,7 +26,8 @@ use rayon::prelude::*;
 use volmap_formats::asset::{
     Array, Asset, Attributes, CellRun, DensityField, Dimension, Exterior, QuadratureSpec,
 };
-use volmap_runtime::{Family, Grid, Nodes, Values, VolumeMap};
+use volmap_runtime::layout::{Family, Nodes};
+use volmap_runtime::{Grid, KernelKind, Values, VolumeMap};
 
 /// What the programs that draw and measure maps say of one in two dimensions.
 ///
@@ -86,7 +86,7 @@ impl Default for AreaSettings {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AreaDensity {
     /// The SPH kernel W.
-    pub kernel: Smoothing,
+    pub kernel: KernelKind,
     /// How the density is integrated.
     pub rule: DiscRule,
     /// Where gamma becomes 0, in support radii: 1 in Eq. 11.
@@ -95,14 +95,14 @@ pub struct AreaDensity {
 
 impl Default for AreaDensity {
     fn default() -> Self {
-        AreaDensity { kernel: Smoothing::default(), rule: DiscRule::GaussLegendre(50), extension: 1.0 }
+        AreaDensity { kernel: KernelKind::default(), rule: DiscRule::GaussLegendre(50), extension: 1.0 }
     }
 }
 
 impl AreaDensity {
     /// The rule's points with W of unit support in their weights.
     fn points(&self) -> Vec<DiscPoint> {
-        let weight = |p: &DiscPoint| p.weight * self.kernel.value_in_plane(p.position.length());
+        let weight = |p: &DiscPoint| p.weight * self.kernel.unit_value_in_plane(p.position.length());
         self.rule.points().iter().map(|p| DiscPoint { weight: weight(p), ..*p }).collect()
     }
 
@@ -317,7 +317,7 @@ fn integrals(
     let at = |(points, values): &mut (Vec<DVec3>, Vec<Values>), &place: &DVec2| {
         points.clear();
         points.extend(rule.iter().map(|p| (place + radius * p.position).extend(0.0)));
-        field.values_batch(points, values);
+        field.sample_batch(points, values);
         rule.iter().zip(values).map(|(p, value)| p.weight * of(value.distance)).sum()
     };
     places.par_iter().map_init(Default::default, at).collect()

@@ -1,7 +1,6 @@
 //! Density maps: Koschier and Bender 2017, *Density Maps for Improved SPH Boundary Handling*; Bender et al. 2020,
 //! section 4.2.
 //!
-//! - [`smoothing`]: the SPH kernels W that a density map is made for;
 //! - [`oracle`]: Eq. 9 at any point, plain and slow;
 //! - [`cost`]: what a density map costs beside a volume map;
 //! - here: Eq. 9 at the nodes of a volume map, by the lattice of [`crate::volume_map`].
@@ -17,7 +16,6 @@
 mod cells;
 pub mod cost;
 pub mod oracle;
-pub mod smoothing;
 
 use crate::error::Error;
 use crate::maps::{Maps, Stage, numbered};
@@ -30,15 +28,29 @@ use crate::volume_map::quadrature::{Point, Rule};
 use crate::work::Work;
 use cells::{copy, without};
 use glam::{DVec3, UVec3};
-use smoothing::Smoothing;
 use volmap_formats::asset::{Array, DensityField, Exterior};
-use volmap_runtime::{Grid, Nodes};
+use volmap_runtime::layout::Nodes;
+use volmap_runtime::{Grid, KernelKind};
+
+/// The SPH kernels W that a density map can be baked for: those of the file's format.
+pub const KERNELS: [KernelKind; 2] = [KernelKind::CubicSpline, KernelKind::WendlandC2];
+
+/// One of [`KERNELS`] by its name, or `cubic` or `wendland` for short.
+///
+/// # Errors
+/// Another name; the message has those that can be taken.
+pub fn parse_kernel(text: &str) -> Result<KernelKind, String> {
+    let known = text.parse().ok().filter(|kernel| KERNELS.contains(kernel));
+    known.ok_or_else(|| {
+        format!("`{text}` is no kernel of density maps; take {}", KERNELS.map(KernelKind::name).join(" or "))
+    })
+}
 
 /// What a density map depends on beside the distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DensitySettings {
     /// The SPH kernel W, whose support radius is the map's.
-    pub kernel: Smoothing,
+    pub kernel: KernelKind,
     /// How the density is integrated. W vanishes at the edge of the ball, so the Gauss-Legendre rules, whose error
     /// comes from there, are better here than those made for the ball; and a gradient takes an exact rule.
     pub rule: Rule,
@@ -48,14 +60,15 @@ pub struct DensitySettings {
 
 impl Default for DensitySettings {
     fn default() -> Self {
-        DensitySettings { kernel: Smoothing::default(), rule: Rule::GaussLegendre(50), extension: 1.0 }
+        DensitySettings { kernel: KernelKind::default(), rule: Rule::GaussLegendre(50), extension: 1.0 }
     }
 }
 
 impl DensitySettings {
     /// The rule's points in the unit ball, with W of unit support in their weights.
     pub fn points(&self) -> Vec<Point> {
-        let weighted = |p: Point| Point { weight: p.weight * self.kernel.value(p.position.length()), ..p };
+        let weighted =
+            |p: Point| Point { weight: p.weight * self.kernel.unit_value(p.position.length()), ..p };
         self.rule.points().into_iter().map(weighted).collect()
     }
 

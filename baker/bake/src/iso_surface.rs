@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 use std::fmt;
 use tetrahedra::{Edge, triangles};
-use volmap_runtime::{DVec3, VolumeMap};
+use volmap_runtime::{DVec3, Values, VolumeMap};
 
 /// Steps in a cell: the element has its nodes at thirds.
 const STEPS: u32 = 3;
@@ -123,8 +123,8 @@ fn inside_plane(map: &VolumeMap, iso: f64, lattice: &Lattice, k: usize) -> Vec<b
     let mut plane = vec![false; nx * ny];
     plane.par_chunks_mut(nx).enumerate().for_each(|(j, row)| {
         let points: Vec<DVec3> = (0..nx).map(|i| lattice.point([i, j, k])).collect();
-        let mut values = Vec::new();
-        map.values_batch(&points, &mut values);
+        let mut values = Vec::<Values>::new();
+        map.sample_batch(&points, &mut values);
         row.iter_mut().zip(&values).for_each(|(inside, values)| *inside = values.distance < iso);
     });
     plane

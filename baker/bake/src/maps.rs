@@ -10,7 +10,7 @@ use crate::volume_map::lattice::LatticeRule;
 use crate::volume_map::quadrature::Rule;
 use crate::work::Work;
 use glam::UVec3;
-use volmap_runtime::Nodes;
+use volmap_runtime::layout::Nodes;
 
 /// Phi and V at the nodes of the band.
 #[derive(Clone, Debug)]

@@ -16,11 +16,12 @@ pub use number::{Numbers, Resolution, Scale, Unit};
 pub use part::{Part, RoundingPart, Tolerance};
 pub use size::ByteSize;
 
-use crate::density_map::smoothing::Smoothing;
+use crate::density_map::parse_kernel;
 use crate::volume_map::quadrature::Rule;
 use clap::{ArgGroup, Args};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use volmap_runtime::KernelKind;
 use written::{Written, displayed, written};
 
 /// Every parameter that changes an asset; what isn't given has its default.
@@ -72,11 +73,11 @@ pub struct Parameters {
     /// Bake the density map too (Koschier and Bender 2017): boundary density over rest density, for one SPH kernel
     #[arg(long, value_name = "BOOL", num_args = 0..=1, default_missing_value = "true", require_equals = true, hide_possible_values = true, help_heading = "Map")]
     pub density: Option<bool>,
-    /// SPH kernel of the density map: cubic (cubic spline), or wendland (Wendland C2) [default: cubic]
-    #[arg(long, value_name = "KERNEL", requires = "density", help_heading = "Map")]
+    /// SPH kernel of the density map: cubic_spline, or wendland_c2 [default: cubic_spline]
+    #[arg(long, value_name = "KERNEL", value_parser = parse_kernel, requires = "density", help_heading = "Map")]
     #[serde(serialize_with = "displayed", deserialize_with = "written")]
     #[schemars(with = "Option<String>")]
-    pub kernel: Option<Smoothing>,
+    pub kernel: Option<KernelKind>,
     /// Rule of the density's integral, as --quadrature (gl50 is the paper's) [default: gl50]
     #[arg(long, value_name = "RULE", requires = "density", help_heading = "Map")]
     #[serde(serialize_with = "displayed", deserialize_with = "written")]

@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 use rayon::prelude::*;
-use volmap_runtime::{Family, Grid, NodeInterval, Nodes};
+use volmap_runtime::Grid;
+use volmap_runtime::layout::{Family, NodeInterval, Nodes};
 
 /// Consecutive nodes of one family along x: lattice points `(first .. end, j, k)`.
 #[derive(Clone, Copy, Debug)]

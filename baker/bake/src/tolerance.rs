@@ -17,8 +17,8 @@ use rayon::prelude::*;
 use std::f64::consts::PI;
 use volmap_formats::asset::{Exterior, Rounded};
 use volmap_formats::mesh::TriangleMesh;
-use volmap_runtime::serendipity::shape;
-use volmap_runtime::{Cell, CellIndex};
+use volmap_runtime::layout::serendipity::shape;
+use volmap_runtime::layout::{Cell, CellIndex};
 
 /// Points at which the error is measured.
 const POINTS: usize = 1000;

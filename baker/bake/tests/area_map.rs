@@ -6,12 +6,12 @@ use volmap_bake::area_map::disc::DiscRule;
 use volmap_bake::area_map::outline::OutlineDistance;
 use volmap_bake::area_map::{AreaDensity, AreaSettings, bake};
 use volmap_bake::density_map::oracle::extension as gamma;
-use volmap_bake::density_map::smoothing::Smoothing;
 use volmap_bake::plan::{GridChoice, Precision};
 use volmap_bake::volume_map::extension::extension;
 use volmap_formats::asset::{self, Compression};
 use volmap_formats::mesh::Outline;
-use volmap_runtime::{DVec3 as Point, Dimension, Sample, VolumeMap};
+use volmap_runtime::KernelKind;
+use volmap_runtime::{DVec3 as Point, Dimension, Sample, SurfaceWithGradient, VolumeMap};
 
 const RADIUS: f64 = 0.1;
 const DISC: f64 = PI * RADIUS * RADIUS;
@@ -72,8 +72,8 @@ fn half_plane_is_its_closed_form() {
     let mut worst = 0.0f64;
     for n in -60..60 {
         let d = (f64::from(n) + 0.37) / 60.0 * 2.0 * RADIUS;
-        let (sample, gradient) = map.sample_with_gradient(at(0.0123 * f64::from(n % 7), d));
-        let near = sample.near().unwrap();
+        let sample = map.sample_with_gradient(at(0.0123 * f64::from(n % 7), d));
+        let SurfaceWithGradient { surface: near, volume_gradient: gradient } = sample.near().unwrap();
         assert!((near.distance - d).abs() < 1e-15 && (near.normal - Point::Y).length() < 1e-12);
         assert!(near.closest_point.y.abs() < 1e-15);
         worst = worst.max((near.volume - half_plane(d, |phi| extension(phi, 1.0 / RADIUS))).abs() / DISC);
@@ -143,7 +143,7 @@ fn corners_are_the_integrals_over_them() {
 /// gamma W over the half plane: Eq. 9 in the plane, in polar coordinates.
 #[test]
 fn density_of_a_half_plane_is_its_integral() {
-    for kernel in [Smoothing::CubicSpline, Smoothing::WendlandC2] {
+    for kernel in [KernelKind::CubicSpline, KernelKind::WendlandC2] {
         let density = AreaDensity { kernel, rule: DiscRule::Disc(24), extension: 1.0 };
         let settings = AreaSettings { density: Some(density), ..settings(RADIUS / 4.0) };
         let map = map([DVec2::new(-0.1, 0.0), DVec2::new(0.1, 0.0)], |x| x.y, &settings);
@@ -151,7 +151,7 @@ fn density_of_a_half_plane_is_its_integral() {
             let d = 0.11 * RADIUS * f64::from(n) + 0.003 * RADIUS;
             let ring = |s: f64| {
                 let around = integrate(0.0, PI, |t| gamma(d - s * RADIUS * t.cos(), RADIUS));
-                2.0 * around * s * kernel.value_in_plane(s)
+                2.0 * around * s * kernel.unit_value_in_plane(s)
             };
             let exact: f64 = (0..2)
                 .map(|half| {

@@ -8,7 +8,7 @@ use glam::{BVec3, DVec3};
 use volmap_figures::picture::colours::{Rgb, WHITE};
 use volmap_figures::picture::png::{self, Effort};
 use volmap_formats::asset::{Dimension, Exterior};
-use volmap_runtime::{Sample, VolumeMap};
+use volmap_runtime::{Sample, Values, VolumeMap};
 
 /// Width and height, pixels.
 pub const SIZE: [usize; 2] = [160, 120];
@@ -134,7 +134,7 @@ fn shaded(map: &VolumeMap, view: &View, seen: &[Seen]) -> Vec<Rgb> {
     let [across, up, away] = view.axes;
     let light = (0.6 * up - 0.5 * across - away).normalize();
     let points: Vec<DVec3> = seen.iter().map(|seen| seen.point).collect();
-    let mut samples = Vec::new();
+    let mut samples = Vec::<Sample>::new();
     map.sample_batch(&points, &mut samples);
     let mut pixels = vec![WHITE; view.size[0] * view.size[1]];
     for (seen, sample) in seen.iter().zip(&samples) {
@@ -177,14 +177,14 @@ struct Ray {
 fn trace(map: &VolumeMap, view: &View) -> Vec<Seen> {
     let away = view.axes[2];
     let mut rays: Vec<Ray> = (0..view.size[0] * view.size[1]).filter_map(|n| ray(map, view, n)).collect();
-    let (mut points, mut values, mut seen) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut points, mut values, mut seen) = (Vec::new(), Vec::<Values>::new(), Vec::new());
     for _ in 0..STEPS {
         if rays.is_empty() {
             break;
         }
         points.clear();
         points.extend(rays.iter().map(|ray| ray.foot + ray.depth * away));
-        map.values_batch(&points, &mut values);
+        map.sample_batch(&points, &mut values);
         let mut at = values.iter();
         rays.retain_mut(|ray| {
             let distance = at.next().map_or(f64::INFINITY, |values| values.distance);
@@ -240,8 +240,8 @@ fn plan_view(map: &VolumeMap) -> Option<Vec<Rgb>> {
     let [low, high] = [map.grid().origin, map.grid().max_corner()].map(|corner| [corner.x, corner.y]);
     let view = View::of([DVec3::X, DVec3::Y, DVec3::NEG_Z], low, high, SIZE)?;
     let points: Vec<DVec3> = (0..SIZE[0] * SIZE[1]).map(|n| view.foot(n)).collect();
-    let mut values = Vec::new();
-    map.values_batch(&points, &mut values);
+    let mut values = Vec::<Values>::new();
+    map.sample_batch(&points, &mut values);
     let part = |distance: f64| 0.5 - distance / view.pixel;
     Some(values.iter().map(|values| painted(colour(map), 0.85, part(values.distance))).collect())
 }

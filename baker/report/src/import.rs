@@ -15,7 +15,8 @@ use volmap_formats::asset::{
     QuadratureSpec, Value,
 };
 use volmap_formats::export::cdm::{self, DiscreteGrid, NODES, REMOVED, UNSAMPLED, local_node};
-use volmap_runtime::{Cell, CellIndex, Nodes, VolumeMap};
+use volmap_runtime::VolumeMap;
+use volmap_runtime::layout::{Cell, CellIndex, Nodes};
 
 /// What the file doesn't say.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,7 +2,7 @@
 
 use serde_json::{Value as Json, json};
 use std::io::{Read, Write};
-use volmap_runtime::{DVec3, Density, Sample, VolumeMap};
+use volmap_runtime::{DVec3, MapDensity, Sample, VolumeMap};
 
 /// Why points can't be answered; `line` counts from 1.
 #[derive(Debug, thiserror::Error)]
@@ -135,7 +135,7 @@ fn answer(map: &VolumeMap, sample: Sample) -> [String; 9] {
 
 fn density_answer(map: &VolumeMap, at: DVec3) -> [String; 4] {
     match map.density(at) {
-        Some(Density { value, gradient: g }) => [value, g.x, g.y, g.z].map(|number| number.to_string()),
+        Some(MapDensity { value, gradient: g }) => [value, g.x, g.y, g.z].map(|number| number.to_string()),
         None => [const { String::new() }; 4],
     }
 }

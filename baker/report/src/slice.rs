@@ -87,7 +87,7 @@ pub fn slice(map: &VolumeMap, settings: &Settings, mesh: Option<NamedMesh>) -> R
         .into_par_iter()
         .map(|j| {
             let points: Vec<DVec3> = (0..lattice.size[0]).map(|i| lattice.point(i, j)).collect();
-            let mut samples = Vec::new();
+            let mut samples: Vec<Sample> = Vec::new();
             map.sample_batch(&points, &mut samples);
             let pixel = |(sample, point): (&Sample, &DVec3)| match (settings.field, map.density(*point)) {
                 (Field::Density, Some(density)) if sample.near().is_some() => Pixel::Value(density.value),

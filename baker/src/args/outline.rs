@@ -7,12 +7,13 @@ use std::str::FromStr;
 use volmap_bake::area_map::disc::DiscRule;
 use volmap_bake::area_map::outline::OutlinePlacement;
 use volmap_bake::area_map::{AreaDensity, AreaSettings};
-use volmap_bake::density_map::smoothing::Smoothing;
+use volmap_bake::density_map::parse_kernel;
 use volmap_bake::parameters::number::list;
 use volmap_bake::parameters::{CompressionName, Numbers, PrecisionName, RoundingPart, Unit};
 use volmap_bake::plan::GridChoice;
 use volmap_bake::recipe::precision;
 use volmap_formats::asset::Compression;
+use volmap_runtime::KernelKind;
 
 #[derive(Debug, Args)]
 #[command(group(ArgGroup::new("radius").args(["support_radius", "particle_radius"])))]
@@ -55,9 +56,9 @@ pub struct OutlineArguments {
     /// Bake the density map too (Koschier and Bender 2017): boundary density over rest density, for one SPH kernel
     #[arg(long, help_heading = "Map")]
     density: bool,
-    /// SPH kernel of the density map: cubic (cubic spline), or wendland (Wendland C2)
-    #[arg(long, value_name = "KERNEL", default_value = "cubic", requires = "density", help_heading = "Map")]
-    kernel: Smoothing,
+    /// SPH kernel of the density map: cubic_spline, or wendland_c2
+    #[arg(long, value_name = "KERNEL", value_parser = parse_kernel, default_value_t, requires = "density", help_heading = "Map")]
+    kernel: KernelKind,
     /// Rule of the density's integral, as --quadrature
     #[arg(long, value_name = "RULE", default_value_t = AreaDensity::default().rule, requires = "density", help_heading = "Map")]
     density_quadrature: DiscRule,

@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-/// Why an asset can't be read or written.
+/// Why an asset can't be read or written. The text says it all: it is not in `source` again.
 #[derive(Debug, thiserror::Error)]
 pub enum AssetError {
     /// The file named has the problem named.

@@ -64,11 +64,6 @@ impl Rounded {
         }
     }
 
-    /// Whether step and bound are in range.
-    pub fn has_sound_attributes(&self) -> bool {
-        self.step > 0.0 && self.step.is_finite() && self.max_error >= 0.0 && self.max_error.is_finite()
-    }
-
     /// The numbers.
     pub fn values(&self) -> impl Iterator<Item = f64> + '_ {
         self.multiples.iter().map(|&steps| f64::from(steps) * self.step)

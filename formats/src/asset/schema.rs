@@ -5,7 +5,6 @@ mod density;
 pub use self::density::DensityField;
 
 use super::error::{AssetError, printable};
-use super::rounded::Rounded;
 #[cfg(feature = "write")]
 use super::tree::Dataset;
 use super::tree::{Array, Attributes, MAX_ERROR, STEP, Tree, Value};
@@ -188,7 +187,7 @@ fn check_format(root: &Attributes) -> Result<Vec<&'static str>, AssetError> {
 /// What the content means.
 ///
 /// # Errors
-/// Groups, attributes and datasets that are missing, of another type or out of range.
+/// Groups, attributes and datasets that are missing or of another type; what [`Asset::check`] refuses.
 pub(super) fn asset_from_tree(mut tree: Tree) -> Result<Asset, AssetError> {
     let root = Reader::new(&tree, "/");
     root.expect("length_unit", "m")?;
@@ -199,11 +198,11 @@ pub(super) fn asset_from_tree(mut tree: Tree) -> Result<Asset, AssetError> {
     };
     Reader::new(&tree, "/fields").expect("node_layout", dimension.node_layout())?;
     let grid_group = Reader::new(&tree, "/grid");
-    let grid = grid_spec(&grid_group)?;
-    if dimension == Dimension::Two {
-        check_plane(&grid_group, &grid)?;
+    if dimension == Dimension::Two && grid_group.integers(DIMENSION)? != [2] {
+        return Err(grid_group.invalid(DIMENSION, "isn't 2, as in files of this version"));
     }
-    let support_radius = grid_group.positive("support_radius")?;
+    let grid = grid_spec(&grid_group)?;
+    let support_radius = grid_group.real("support_radius")?;
     let exterior = match grid_group.text("exterior")?.as_str() {
         "fluid" => Exterior::Fluid,
         "solid" => Exterior::Solid,
@@ -214,7 +213,7 @@ pub(super) fn asset_from_tree(mut tree: Tree) -> Result<Asset, AssetError> {
     let solid_cells = runs(&tree, "/cells/solid")?;
     let mut group = |path: &str| tree.groups.remove(path).unwrap_or_default();
     let (bake, source, diagnosis) = (group("/bake"), group("/source"), group("/diagnosis"));
-    Ok(Asset {
+    let asset = Asset {
         dimension,
         grid,
         support_radius,
@@ -228,42 +227,21 @@ pub(super) fn asset_from_tree(mut tree: Tree) -> Result<Asset, AssetError> {
         bake,
         source,
         diagnosis,
-    })
+    };
+    asset.check()?;
+    Ok(asset)
 }
 
 fn grid_spec(group: &Reader) -> Result<GridSpec, AssetError> {
-    let resolution = group.integers::<3>("resolution")?;
-    if resolution.iter().any(|&n| n == 0 || n > MAX_CELLS_PER_AXIS.into()) {
-        return Err(group.invalid("resolution", "is outside 1 to 1048576 cells an axis"));
-    }
-    let cell_size = group.reals::<3>("cell_size")?;
-    if cell_size.iter().any(|&h| h <= 0.0) {
-        return Err(group.invalid("cell_size", "isn't positive"));
-    }
-    Ok(GridSpec { origin: group.reals("origin")?, cell_size, resolution: resolution.map(|n| n as u32) })
-}
-
-/// In the plane there is one layer of cells; its thickness has no meaning.
-fn check_plane(group: &Reader, grid: &GridSpec) -> Result<(), AssetError> {
-    if group.integers(DIMENSION)? != [2] {
-        return Err(group.invalid(DIMENSION, "isn't 2, as in files of this version"));
-    }
-    match grid.resolution {
-        [_, _, 1] => Ok(()),
-        _ => Err(group.invalid("resolution", "has more than one cell along z in two dimensions")),
-    }
+    let resolution = group.integers::<3>("resolution")?.map(|n| u32::try_from(n).unwrap_or(u32::MAX));
+    Ok(GridSpec { origin: group.reals("origin")?, cell_size: group.reals("cell_size")?, resolution })
 }
 
 fn quadrature_spec(group: &Reader) -> Result<QuadratureSpec, AssetError> {
     let [degree] = group.integers("degree")?;
     let [points] = group.integers("points")?;
     let degree = u32::try_from(degree).map_err(|_| group.invalid("degree", "is too large"))?;
-    Ok(QuadratureSpec {
-        name: group.text("name")?,
-        degree,
-        points,
-        ball_volume: group.positive("ball_volume")?,
-    })
+    Ok(QuadratureSpec { name: group.text("name")?, degree, points, ball_volume: group.real("ball_volume")? })
 }
 
 fn runs(tree: &Tree, path: &str) -> Result<Vec<CellRun>, AssetError> {
@@ -279,27 +257,10 @@ fn runs(tree: &Tree, path: &str) -> Result<Vec<CellRun>, AssetError> {
 
 pub(super) fn field(tree: &mut Tree, path: &str) -> Result<Array, AssetError> {
     let dataset = tree.datasets.remove(path).ok_or_else(|| AssetError::Missing(path.into()))?;
-    if matches!(dataset.array, Array::U32(_)) {
-        return Err(AssetError::invalid(path, "isn't f32, f64 or i16"));
-    }
-    if let Array::Rounded(rounded) = &dataset.array {
-        check_rounding(path, rounded)?;
-    }
-    match (dataset.array.is_finite(), dataset.shape.len()) {
-        (true, 1) => Ok(dataset.array),
-        (false, _) => Err(AssetError::invalid(path, "has values that aren't finite")),
+    match dataset.shape.len() {
+        1 => Ok(dataset.array),
         _ => Err(AssetError::invalid(path, "has more than one axis")),
     }
-}
-
-fn check_rounding(path: &str, rounded: &Rounded) -> Result<(), AssetError> {
-    if !(rounded.step > 0.0 && rounded.step.is_finite()) {
-        return Err(AssetError::invalid(format!("{path}@{STEP}"), "isn't positive and finite"));
-    }
-    if !(rounded.max_error >= 0.0 && rounded.max_error.is_finite()) {
-        return Err(AssetError::invalid(format!("{path}@{MAX_ERROR}"), "isn't a finite bound"));
-    }
-    Ok(())
 }
 
 /// Typed access to an object's attributes.
@@ -358,17 +319,14 @@ impl<'a> Reader<'a> {
         .ok_or_else(|| self.invalid(name, &format!("isn't {N} finite real numbers")))
     }
 
-    pub fn positive(&self, name: &str) -> Result<f64, AssetError> {
-        match self.reals(name)? {
-            [value] if value > 0.0 => Ok(value),
-            _ => Err(self.invalid(name, "isn't positive")),
-        }
+    pub fn real(&self, name: &str) -> Result<f64, AssetError> {
+        Ok(self.reals::<1>(name)?[0])
     }
 }
 
 #[cfg(all(test, feature = "write"))]
 mod tests {
-    use super::super::DensityField;
+    use super::super::{DensityField, Rounded};
     use super::*;
 
     fn asset() -> Asset {

@@ -1,4 +1,4 @@
-//! The density of the fluid's mirror image as a function of the boundary's volume.
+//! Closure `mirror`: the density of the fluid's mirror image as a function of the boundary's volume.
 //!
 //! The image's density R_mirror ([`mirror`](super::mirror)) ends at half of the kernel's support radius r. So does the
 //! volume V of a map of support radius r / 4, whose extension (Eq. 13 of Bender et al. 2020) reaches as far again as its
@@ -14,15 +14,15 @@
 //! In two dimensions all is the same with areas.
 
 use super::mirror::Mirror;
+use super::model::{BoundaryDensity, Model, Particle, Setup};
+use super::plane;
 use super::table::Table;
-use super::{BoundaryDensity, plane};
-use crate::kernel::Kernel;
-use crate::query::Boundary;
-use glam::DVec3;
+use crate::sample::Surface;
+use std::sync::Arc;
 use volmap_formats::asset::Dimension;
 
 /// The kernel's support radius over the maps'.
-pub(crate) const MAPS_PER_RADIUS: f64 = 4.0;
+pub(super) const MAPS_PER_RADIUS: f64 = 4.0;
 
 /// Intervals of the tables.
 const INTERVALS: usize = 192;
@@ -33,8 +33,8 @@ const FARTHEST: f64 = 2.0;
 const DEEPEST: f64 = -1.0;
 
 /// F.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Image {
+#[derive(Debug)]
+struct Image {
     /// 1 / (support radius of the map)^d, and 1 / it.
     per_volume: f64,
     per_radius: f64,
@@ -45,9 +45,12 @@ pub(crate) struct Image {
     wide: Table<1>,
 }
 
+pub(super) fn new(setup: &Setup) -> Arc<dyn Model> {
+    Arc::new(Image::new(setup))
+}
+
 impl Image {
-    /// For particles of a radius in metres.
-    pub fn new(kernel: Kernel, particle_radius: f64) -> Image {
+    fn new(&Setup { kernel, particle_radius }: &Setup) -> Image {
         let radius = kernel.support_radius();
         let map_radius = radius / MAPS_PER_RADIUS;
         let (dimension, half_space) = (kernel.dimension(), half_space(kernel.dimension()));
@@ -73,23 +76,23 @@ impl Image {
             }),
         }
     }
+}
 
-    /// See [`super::Closure::volume`]; metres.
-    pub fn wide_volume(&self, distance: f64) -> f64 {
-        self.wide.at(distance * self.per_radius / MAPS_PER_RADIUS)[0][0]
+impl Model for Image {
+    /// Without the gradient of the volume its own is that at a flat wall, along the normal. `None` where there is no volume.
+    fn density(&self, particle: Particle) -> Option<BoundaryDensity> {
+        let surface = particle.seen.surface;
+        let root = (surface.volume * self.per_volume).sqrt().sqrt();
+        let [[density, slope], [along, _]] = self.table.at(root);
+        let gradient = match particle.seen.volume_gradient {
+            Some(of_volume) => slope / (4.0 * root * root * root) * self.per_volume * of_volume,
+            None => along.min(0.0) * self.per_radius * surface.normal,
+        };
+        (root > SMALLEST).then_some(BoundaryDensity { density, gradient, point: surface.closest_point })
     }
 
-    /// Density and gradient; without that of the volume (m^2) as at a flat wall, along the normal. `None` where there is no
-    /// volume.
-    #[inline]
-    pub fn density(&self, boundary: &Boundary, volume_gradient: Option<DVec3>) -> Option<BoundaryDensity> {
-        let root = (boundary.volume * self.per_volume).sqrt().sqrt();
-        let [[density, slope], [along, _]] = self.table.at(root);
-        let gradient = match volume_gradient {
-            Some(of_volume) => slope / (4.0 * root * root * root) * self.per_volume * of_volume,
-            None => along.min(0.0) * self.per_radius * boundary.normal,
-        };
-        (root > SMALLEST).then_some(BoundaryDensity { density, gradient, point: boundary.closest_point })
+    fn volume(&self, surface: &Surface) -> f64 {
+        self.wide.at(surface.distance * self.per_radius / MAPS_PER_RADIUS)[0][0]
     }
 }
 

@@ -1,4 +1,4 @@
-//! The density of a wall for particles on a lattice: what a half space of particles adds, rather than a continuum.
+//! Closure `lattice`: the density of a wall for particles on a lattice, what a half space of particles adds, rather than a continuum.
 //!
 //! Fluid at rest lies in layers. Let the wall be filled with the continuation of the fluid's cubic lattice, spacing
 //! a = 2 rp, volume a^3 each, its first layer rp behind the surface. A particle at height d above one of the sites gets
@@ -10,10 +10,20 @@
 //! lattice, and the fluid's gradient and R_lattice' cancel: with equal pressures no layer moves. The continuum's R gives
 //! the first layer too much (0.188 instead of 0.150; cubic spline, r = 4 rp), which pushes it off the wall.
 
+use super::model::{Model, Setup};
+use super::plane;
+use super::wall::Walls;
 use crate::kernel::KernelKind;
+use std::sync::Arc;
 
 /// Spacings in a support radius above which the lattice is as good as a continuum, and too long to sum over.
 const FINEST: f64 = 16.0;
+
+pub(super) fn new(setup: &Setup) -> Arc<dyn Model> {
+    let (kernel, radius) = (setup.kernel.kind(), setup.particle_radius / setup.kernel.support_radius());
+    let layers = |d: f64| density(kernel, radius, d).unwrap_or_else(|| plane::density(kernel, d));
+    Arc::new(Walls::new(setup.kernel, layers, None))
+}
 
 /// R_lattice and its derivative at d >= 0; `None` where the lattice is too fine for its sum to matter, or none. Lengths in
 /// support radii.

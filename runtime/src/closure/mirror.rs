@@ -14,8 +14,8 @@
 //!
 //! Nearer than where it is steepest, R_mirror goes on along its tangent: images never let a particle through.
 
-use super::quadrature::integrate_pieces;
 use crate::kernel::KernelKind;
+use crate::quadrature::integrate_pieces;
 use std::f64::consts::PI;
 use volmap_formats::asset::Dimension;
 

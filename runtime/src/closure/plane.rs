@@ -17,8 +17,8 @@
 //! ```
 //! the exponent with which a density that is R (V / V_plane)^beta is right to first order, in bowls (k < 0) as well.
 
-use super::quadrature::{integrate, integrate_pieces};
 use crate::kernel::KernelKind;
+use crate::quadrature::{integrate, integrate_pieces};
 use std::f64::consts::PI;
 
 /// R and R' (rho_B / rho_0 of the half space).

@@ -53,3 +53,16 @@ fn hermite([a, da]: [f64; 2], [b, db]: [f64; 2], t: f64) -> [f64; 2] {
     let (square, cube) = (3.0 * rise - 2.0 * da - db, da + db - 2.0 * rise);
     [a + t * (da + t * (square + t * cube)), da + t * (2.0 * square + t * 3.0 * cube)]
 }
+
+/// Functions and their derivatives, from differences within low..=high.
+pub(crate) fn with_slopes<const N: usize>(
+    f: impl Fn(f64) -> [f64; N],
+    d: f64,
+    low: f64,
+    high: f64,
+) -> [[f64; 2]; N] {
+    const STEP: f64 = 1e-5;
+    let (from, to) = ((d - STEP).max(low), (d + STEP).min(high));
+    let (value, below, above) = (f(d), f(from), f(to));
+    std::array::from_fn(|n| [value[n], (above[n] - below[n]) / (to - from)])
+}

@@ -4,27 +4,37 @@
 //! ```text
 //! rho_B = rho_0 R(Phi) (V / V_plane(Phi))^beta(Phi)
 //! ```
-//! `calibrated` is that; `wedge` lets the exponent grow at convex edges ([`wedge`]); `lattice` has another R ([`lattice`]).
+//! `calibrated` is that; `wedge` lets the exponent grow at convex edges ([`wedge`](super::wedge)); `lattice`
+//! has another R ([`lattice`](super::lattice)). Inside the solid R goes on along its tangent.
 
-use super::table::Table;
-use super::{BoundaryDensity, ClosureKind, lattice, plane, wedge};
-use crate::kernel::{Kernel, KernelKind};
-use crate::query::Boundary;
-use glam::DVec3;
+use super::model::{BoundaryDensity, Model, Particle, Probe, Seen};
+use super::plane;
+use super::table::{Table, with_slopes};
+use crate::kernel::Kernel;
+use crate::sample::Surface;
 
 /// Intervals of the tables in a support radius: the interpolated density is within 1e-8 of the integral.
 const PER_RADIUS: usize = 128;
 
-/// Intervals of the table of edges, whose values are needed less exactly.
-const EDGE_INTERVALS: usize = 32;
+/// Distance, in support radii, beyond which the edge's exponent is held: both densities vanish at 1, and are below 1e-4
+/// here.
+pub(super) const LAST_EDGE: f64 = 0.9;
+
+/// Depth below the surface, in support radii, at which a probe tells an edge from a ball.
+const PROBE_DEPTH: f64 = 0.25;
+
+/// How much nearer than [`PROBE_DEPTH`] to the surface, in parts of it, a probe at an edge is: of 90 degrees 0.29, of
+/// 120 degrees 0.13. Below it the exponent is led over to that of a ball.
+const PROBE_EDGE: f64 = 0.15;
 
 /// Part of an edge's volume deficit below which a probe isn't worth its time: there the exponents differ by less than 3 %
 /// of the way, the densities by 0.2 %.
 const PROBE_FROM: f64 = 0.1;
 
 /// What is tabulated of walls.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Walls {
+#[derive(Debug)]
+pub(super) struct Walls {
+    support_radius: f64,
     per_radius: f64,
     /// -ln r^3.
     log_unit: f64,
@@ -35,7 +45,7 @@ pub(crate) struct Walls {
 }
 
 /// What is known of the solid around a particle, as far as it is a wall.
-struct Wall {
+struct FlatWall {
     /// R and dR/dPhi, r times.
     density: [f64; 2],
     /// ln(V / V_plane).
@@ -55,71 +65,72 @@ struct Exponent {
 }
 
 impl Walls {
-    pub fn new(kind: ClosureKind, kernel: Kernel, particle_radius: f64) -> Walls {
+    /// With the half space's density R and its derivative over the distance d >= 0 (in support radii), and what edges are.
+    pub fn new(kernel: Kernel, density: impl Fn(f64) -> [f64; 2], edges: Option<Table<2>>) -> Walls {
         let radius = kernel.support_radius();
-        let spacing = (kind == ClosureKind::Lattice).then_some(particle_radius / radius);
-        let wall = WallDensity { kernel: kernel.kind(), lattice: spacing };
+        // In the solid along a tangent.
+        let density = |d: f64| {
+            let [value, slope] = density(d.max(0.0));
+            [value + slope * d.min(0.0), slope]
+        };
         let plane = Table::new(-2.0, 1.0, 3 * PER_RADIUS, |d| {
             let [volume, slope] = plane::volume(d);
-            [wall.at(d), [volume.ln(), slope / volume], exponent_of_plane(kernel, d)]
+            [density(d), [volume.ln(), slope / volume], exponent_of_plane(kernel, d)]
         });
-        let edges = || {
-            let edge = |d: f64| wedge::edge(kernel.kind(), d);
-            Table::new(0.0, wedge::LAST, EDGE_INTERVALS, |d| with_slopes(edge, d, 0.0, wedge::LAST))
-        };
         Walls {
+            support_radius: radius,
             per_radius: 1.0 / radius,
             log_unit: -3.0 * radius.ln(),
             plane: plane.limit(0),
-            edges: (kind == ClosureKind::Wedge).then(edges),
+            edges,
         }
     }
 
-    /// `sharpness` says how much of an edge, 0 to 1, a place is that could be one; with the volume's gradient (m^2) the density's
-    /// is the true one.
     #[inline]
-    pub fn density(
-        &self,
-        boundary: &Boundary,
-        volume_gradient: Option<DVec3>,
-        sharpness: impl FnOnce() -> f64,
-    ) -> BoundaryDensity {
-        let wall = self.wall(boundary, sharpness);
-        self.calibrated(boundary, &wall, volume_gradient)
-    }
-
-    #[inline]
-    fn wall(&self, boundary: &Boundary, sharpness: impl FnOnce() -> f64) -> Wall {
-        let d = boundary.distance * self.per_radius;
+    fn wall(&self, surface: &Surface, probe: Option<Probe>) -> FlatWall {
+        let d = surface.distance * self.per_radius;
         let [density, log_plane, [value, slope]] = self.plane.at(d);
-        let log_ratio = boundary.volume.ln() + self.log_unit - log_plane[0];
+        let log_ratio = surface.volume.ln() + self.log_unit - log_plane[0];
         let flat = Exponent { value, slope, ratio_slope: 0.0 };
         let exponent = match &self.edges {
-            Some(edges) if log_ratio < 0.0 => towards_edge(flat, edges, d, log_ratio.exp(), sharpness),
+            Some(edges) if log_ratio < 0.0 => {
+                towards_edge(flat, edges, d, log_ratio.exp(), || self.sharpness(surface, probe))
+            }
             _ => flat,
         };
-        Wall { density, log_ratio, log_plane_slope: log_plane[1], exponent }
+        FlatWall { density, log_ratio, log_plane_slope: log_plane[1], exponent }
     }
 
-    fn calibrated(
-        &self,
-        boundary: &Boundary,
-        wall: &Wall,
-        volume_gradient: Option<DVec3>,
-    ) -> BoundaryDensity {
-        let Wall { density: [value, slope], log_ratio, log_plane_slope, exponent } = *wall;
-        let factor = (exponent.value * log_ratio).exp();
+    /// How much of an edge, 0 to 1, a place is that could be one; without a probe it is taken for one.
+    #[inline]
+    fn sharpness(&self, surface: &Surface, probe: Option<Probe>) -> f64 {
+        let Some(distance) = probe else { return 1.0 };
+        let depth = PROBE_DEPTH * self.support_radius;
+        let nearer = 1.0 + distance(surface.closest_point - depth * surface.normal) / depth;
+        (nearer / PROBE_EDGE).clamp(0.0, 1.0)
+    }
+
+    #[inline]
+    fn calibrated(&self, seen: Seen, wall: &FlatWall) -> BoundaryDensity {
+        let FlatWall { density: [value, slope], log_ratio, log_plane_slope, exponent } = *wall;
+        let (surface, factor) = (seen.surface, (exponent.value * log_ratio).exp());
         let density = value * factor;
-        let gradient = match volume_gradient {
-            None => slope * factor * self.per_radius * boundary.normal,
+        let gradient = match seen.volume_gradient {
+            None => slope * factor * self.per_radius * surface.normal,
             Some(volume_gradient) => {
                 let power = exponent.value + exponent.ratio_slope * log_ratio;
                 let along = slope * factor + density * (exponent.slope * log_ratio - power * log_plane_slope);
-                along * self.per_radius * boundary.normal
-                    + density * power / boundary.volume * volume_gradient
+                along * self.per_radius * surface.normal + density * power / surface.volume * volume_gradient
             }
         };
-        BoundaryDensity { density, gradient, point: boundary.closest_point }
+        BoundaryDensity { density, gradient, point: surface.closest_point }
+    }
+}
+
+impl Model for Walls {
+    fn density(&self, particle: Particle) -> Option<BoundaryDensity> {
+        let wall = self.wall(particle.seen.surface, particle.probe);
+        Some(self.calibrated(particle.seen, &wall))
     }
 }
 
@@ -133,7 +144,7 @@ fn towards_edge(
     sharpness: impl FnOnce() -> f64,
 ) -> Exponent {
     let [[edge_ratio, ratio_slope], [edge_value, edge_slope]] = edges.at(d);
-    let inside = if (0.0..wedge::LAST).contains(&d) { 1.0 } else { 0.0 };
+    let inside = if (0.0..LAST_EDGE).contains(&d) { 1.0 } else { 0.0 };
     let deficit = (1.0 - ratio) / (1.0 - edge_ratio);
     let sharpness = if deficit > PROBE_FROM { sharpness() } else { 1.0 };
     let s = deficit.min(1.0);
@@ -147,32 +158,7 @@ fn towards_edge(
     }
 }
 
-/// R of a flat wall over the distance, in support radii.
-struct WallDensity {
-    kernel: KernelKind,
-    /// The particle radius, for particles on a lattice.
-    lattice: Option<f64>,
-}
-
-impl WallDensity {
-    /// R and R'; in the solid along a tangent.
-    fn at(&self, d: f64) -> [f64; 2] {
-        let outside = d.max(0.0);
-        let layers = self.lattice.and_then(|radius| lattice::density(self.kernel, radius, outside));
-        let [value, slope] = layers.unwrap_or_else(|| plane::density(self.kernel, outside));
-        [value + slope * d.min(0.0), slope]
-    }
-}
-
 /// beta and its derivative.
 fn exponent_of_plane(kernel: Kernel, d: f64) -> [f64; 2] {
     with_slopes(|d| [plane::exponent(kernel.kind(), d)], d, -3.0, 1.0)[0]
-}
-
-/// Functions and their derivatives, from differences within low..=high.
-fn with_slopes<const N: usize>(f: impl Fn(f64) -> [f64; N], d: f64, low: f64, high: f64) -> [[f64; 2]; N] {
-    const STEP: f64 = 1e-5;
-    let (from, to) = ((d - STEP).max(low), (d + STEP).min(high));
-    let (value, below, above) = (f(d), f(from), f(to));
-    std::array::from_fn(|n| [value[n], (above[n] - below[n]) / (to - from)])
 }

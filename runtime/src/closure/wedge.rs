@@ -1,3 +1,5 @@
+//! Closure `wedge`: as `calibrated`, and close to exact at convex edges.
+//!
 //! What a particle sees of a convex edge of 90 degrees, straight in front of it (on its bisector), against a flat wall at
 //! the same distance: the second point, beside the flat wall, through which the closure `wedge` leads the exponent.
 //!
@@ -9,16 +11,27 @@
 //! The edge runs along y; the particle is at (c, c), c = d / sqrt 2, from it, the solid where x < 0 and z < 0. All lengths
 //! in support radii.
 
+use super::model::{Model, Setup};
 use super::plane;
-use super::quadrature::integrate;
+use super::table::{Table, with_slopes};
+use super::wall::{LAST_EDGE, Walls};
 use crate::kernel::KernelKind;
+use crate::quadrature::integrate;
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
+use std::sync::Arc;
 
-/// Distance beyond which the edge's exponent is held: both densities vanish at 1, and are below 1e-4 here.
-pub(crate) const LAST: f64 = 0.9;
+/// Intervals of the table of edges, whose values are needed less exactly.
+const INTERVALS: usize = 32;
 
-/// V_edge / V_plane, and e, for 0 <= d <= [`LAST`].
-pub(crate) fn edge(kernel: KernelKind, d: f64) -> [f64; 2] {
+pub(super) fn new(setup: &Setup) -> Arc<dyn Model> {
+    let kernel = setup.kernel.kind();
+    let edge = |d: f64| edge(kernel, d);
+    let edges = Table::new(0.0, LAST_EDGE, INTERVALS, |d| with_slopes(edge, d, 0.0, LAST_EDGE));
+    Arc::new(Walls::new(setup.kernel, |d| plane::density(kernel, d), Some(edges)))
+}
+
+/// V_edge / V_plane, and e, for 0 <= d <= [`LAST_EDGE`].
+fn edge(kernel: KernelKind, d: f64) -> [f64; 2] {
     let fall = volume(d) / plane::volume(d)[0];
     [fall, (density(kernel, d) / plane::density(kernel, d)[0]).ln() / fall.ln()]
 }

@@ -5,8 +5,9 @@
 use volmap_formats::asset::{
     Array, Asset, Attributes, CellRun, DensityField, Dimension, Exterior, GridSpec, QuadratureSpec, Rounded,
 };
-use volmap_runtime::serendipity::shape_and_gradient;
-use volmap_runtime::{Boundary, Cell, CellIndex, DVec3, Density, Family, Grid, Nodes, Sample};
+use volmap_runtime::layout::serendipity::shape_and_gradient;
+use volmap_runtime::layout::{Cell, CellIndex, Nodes};
+use volmap_runtime::{DVec3, Grid, MapDensity, Sample, Surface};
 
 /// Random numbers (xorshift), the same in every run.
 pub struct Random(pub u64);
@@ -34,17 +35,7 @@ pub fn asset(
     let [band_cells, solid_cells] = cells;
     let lattice = Grid::from(grid);
     let nodes = Nodes::new(lattice.resolution, &band_cells).unwrap();
-    let mut places = Vec::new();
-    for family in Family::ALL {
-        for (j, k, interval) in nodes.intervals(family) {
-            for i in interval.first..interval.end {
-                for t in 0..family.nodes_per_point() {
-                    let at = DVec3::new(i.into(), j.into(), k.into()) + family.offset(t);
-                    places.push(lattice.origin + lattice.cell_size * at);
-                }
-            }
-        }
-    }
+    let places: Vec<DVec3> = nodes.positions(&lattice).collect();
     Asset {
         dimension: Dimension::Three,
         grid,
@@ -143,17 +134,17 @@ impl Oracle {
     }
 
     /// Density and gradient in a map that has them.
-    pub fn density(&self, point: DVec3) -> Option<Density> {
+    pub fn density(&self, point: DVec3) -> Option<MapDensity> {
         let (sample, _) = self.sample(point);
         match sample {
-            Sample::Outside => return Some(Density::default()),
+            Sample::Outside => return Some(MapDensity::default()),
             Sample::DeepInside => return None,
             Sample::Near(_) => {}
         }
         let at = self.grid.locate(point)?;
         let Cell::Band(numbers) = self.cells.find(at.cell) else { return None };
         let (weights, gradients) = shape_and_gradient(at.xi);
-        let mut out = Density::default();
+        let mut out = MapDensity::default();
         for (a, number) in numbers.all().into_iter().enumerate() {
             out.value += weights[a] * self.density[number as usize];
             out.gradient += gradients[a] * self.density[number as usize];
@@ -184,7 +175,7 @@ impl Oracle {
         }
         let slope = slope * 2.0 / self.grid.cell_size;
         let normal = slope.normalize_or_zero();
-        let boundary = Boundary { distance, normal, closest_point: point - distance * normal, volume };
-        (Sample::Near(boundary), slope.length())
+        let surface = Surface { distance, normal, closest_point: point - distance * normal, volume };
+        (Sample::Near(surface), slope.length())
     }
 }

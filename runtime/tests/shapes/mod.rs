@@ -4,12 +4,41 @@
 #![allow(dead_code, reason = "the tests and the bench each use a part")]
 
 use std::f64::consts::FRAC_1_SQRT_2;
-use volmap_runtime::{Boundary, DVec3, Kernel};
+use volmap_formats::asset::{Array, Asset, Attributes, CellRun, GridSpec};
+use volmap_runtime::{
+    Closure, ClosureKind, DVec3, Dimension, Exterior, Kernel, QuadratureSpec, Surface, VolumeMap,
+};
 
 pub const PARTICLE: f64 = 0.25;
 
 /// Distances of the tables, in particle radii.
 pub const DISTANCES: [f64; 6] = [0.25, 0.5, 1.0, 1.5, 2.0, 2.5];
+
+/// A map of one cell, for closures: only its support radius (metres) matters.
+pub fn map_of(support_radius: f64) -> VolumeMap {
+    let asset = Asset {
+        dimension: Dimension::Three,
+        grid: GridSpec { origin: [0.0; 3], cell_size: [1.0; 3], resolution: [1; 3] },
+        support_radius,
+        exterior: Exterior::Fluid,
+        quadrature: QuadratureSpec { name: "none".into(), degree: 1, points: 1, ball_volume: 1.0 },
+        band_cells: vec![CellRun { i: 0, j: 0, k: 0, len: 1 }],
+        solid_cells: Vec::new(),
+        signed_distance: Array::F64(vec![0.0; 32]),
+        volume: Array::F64(vec![0.0; 32]),
+        density: None,
+        bake: Attributes::new(),
+        source: Attributes::new(),
+        diagnosis: Attributes::new(),
+    };
+    VolumeMap::from_asset(&asset).expect("a map")
+}
+
+/// A closure of the map that goes with it.
+pub fn closure_of(kind: ClosureKind, kernel: Kernel, particle_radius: f64) -> Closure {
+    let map = map_of(kind.map_radius(kernel.support_radius()));
+    map.closure(kind, kernel, particle_radius).expect("a map of the right radius")
+}
 
 /// A solid and where particles at a distance d are.
 pub struct Shape {
@@ -141,17 +170,17 @@ fn extension(phi: f64) -> f64 {
 }
 
 /// What a perfect map would say at a point.
-pub fn boundary(phi: &dyn Fn(DVec3) -> f64, x: DVec3, volume: f64) -> Boundary {
+pub fn surface(phi: &dyn Fn(DVec3) -> f64, x: DVec3, volume: f64) -> Surface {
     let distance = phi(x);
     let slope = |axis: DVec3| phi(x + 1e-6 * axis) - phi(x - 1e-6 * axis);
     let normal = DVec3::new(slope(DVec3::X), slope(DVec3::Y), slope(DVec3::Z)).normalize();
-    Boundary { distance, normal, closest_point: x - distance * normal, volume }
+    Surface { distance, normal, closest_point: x - distance * normal, volume }
 }
 
 /// A particle near a solid: what the map says, what is true.
 pub struct Case {
     pub position: DVec3,
-    pub boundary: Boundary,
+    pub surface: Surface,
     pub density: f64,
 }
 
@@ -160,7 +189,7 @@ pub fn cases(shape: &Shape, kernel: &Kernel, steps: i32) -> Vec<Case> {
     let places = DISTANCES.iter().flat_map(|d| (shape.places)(PARTICLE * d));
     let case = |position| {
         let (density, volume) = integrate(&shape.phi, kernel, position, steps);
-        Case { position, boundary: boundary(&shape.phi, position, volume), density }
+        Case { position, surface: surface(&shape.phi, position, volume), density }
     };
     places.map(case).collect()
 }

@@ -25,7 +25,9 @@ use crate::viscosity::drag::Drag;
 use particles::BodyParticles;
 use rayon::prelude::*;
 use std::sync::Arc;
-use volmap_runtime::{Closure, ClosureKind, DVec3, Density, Kernel, PosedMap, Sample, Values};
+use volmap_runtime::{
+    Closure, ClosureError, DVec3, Kernel, MapDensity, PosedMap, Sample, SurfaceWithGradient, Values,
+};
 
 /// All bodies together, as one particle sees them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -81,7 +83,8 @@ pub struct Boundary {
 /// How bodies are seen, with what it needs.
 #[derive(Clone, Debug)]
 enum Method {
-    VolumeMap(Box<Closure>),
+    /// None without bodies: a map makes it.
+    VolumeMap(Option<Closure>),
     DensityMap,
     /// One for each body.
     Particles(Kernel, Vec<Arc<BodyParticles>>),
@@ -100,8 +103,8 @@ struct BlockContacts {
 /// What the maps answer.
 #[derive(Clone, Debug, Default)]
 struct Scratch {
-    samples: Vec<(Sample, DVec3)>,
-    densities: Vec<Option<Density>>,
+    samples: Vec<Sample<SurfaceWithGradient>>,
+    densities: Vec<Option<MapDensity>>,
     points: Vec<DVec3>,
     values: Vec<Values>,
 }
@@ -124,7 +127,7 @@ impl Boundary {
     pub fn new(world: &World, fluid: &FluidSettings, bodies: &Bodies) -> Result<Boundary, Error> {
         let kernel = world.kernel_of_size();
         let method = match world.boundary {
-            BoundaryMethod::VolumeMap => Method::VolumeMap(Box::new(closure(world, fluid, kernel))),
+            BoundaryMethod::VolumeMap => Method::VolumeMap(closure(world, fluid, bodies)?),
             BoundaryMethod::DensityMap => {
                 density_map::check(bodies, world.kernel)?;
                 Method::DensityMap
@@ -211,23 +214,37 @@ impl Boundary {
     }
 }
 
-/// The closure for the fluid's particles.
-fn closure(world: &World, fluid: &FluidSettings, kernel: Kernel) -> Closure {
+/// The closure for the fluid's particles, made by the first body's map; it must fit the others too.
+fn closure(world: &World, fluid: &FluidSettings, bodies: &Bodies) -> Result<Option<Closure>, Error> {
     // The lattice of particles of less volume is closer.
-    let radius = match world.closure {
-        ClosureKind::Offset => world.particle_radius,
-        _ => world.particle_radius * fluid.volume_factor.powf(1.0 / world.dimension.count() as f64),
+    let radius = match world.closure.follows_volume() {
+        true => world.particle_radius * fluid.volume_factor.powf(1.0 / world.dimension.count() as f64),
+        false => world.particle_radius,
     };
-    Closure::new(world.closure, kernel, radius)
+    let refuse = |body: usize, error: ClosureError| {
+        let reason = format!("its map can't be used: {error}");
+        Error::Setup { place: format!("body `{}`", bodies.name(body)), reason }
+    };
+    let Some(first) = bodies.posed().first() else { return Ok(None) };
+    let closure = first.map.closure(world.closure, world.kernel_of_size(), radius);
+    let closure = closure.map_err(|error| refuse(0, error))?;
+    for (body, posed) in bodies.posed().iter().enumerate() {
+        closure.check(&posed.map).map_err(|error| refuse(body, error))?;
+    }
+    Ok(Some(closure))
 }
 
 impl BlockContacts {
     fn touch(&mut self, method: &Method, pairing: Pairing) {
         let BlockContacts { contacts, inside, scratch, .. } = self;
-        pairing.map().sample_with_gradient_batch(pairing.positions, &mut scratch.samples);
-        inside.extend(scratch.samples.iter().enumerate().filter_map(|(i, (at, _))| pairing.inside(i, at)));
+        pairing.map().sample_batch(pairing.positions, &mut scratch.samples);
+        inside.extend(scratch.samples.iter().enumerate().filter_map(|(i, at)| pairing.inside(i, at)));
         match method {
-            Method::VolumeMap(closure) => volume_map::touch(pairing, closure, &scratch.samples, contacts),
+            Method::VolumeMap(Some(closure)) => {
+                volume_map::touch(pairing, closure, &scratch.samples, contacts)
+            }
+            // Without bodies there is nothing to touch.
+            Method::VolumeMap(None) => {}
             Method::DensityMap => density_map::touch(pairing, scratch, contacts),
             Method::Particles(kernel, all) => {
                 particles::touch(pairing, kernel, &all[pairing.body], contacts);
@@ -242,14 +259,14 @@ impl BlockContacts {
         if contact == FluidContact::default() {
             return;
         }
-        for (within, (sample, _)) in self.scratch.samples.iter().enumerate() {
-            let Sample::Near(near) = sample else { continue };
+        for (within, sample) in self.scratch.samples.iter().enumerate() {
+            let Sample::Near(SurfaceWithGradient { surface: near, .. }) = sample else { continue };
             let volume = match method {
-                Method::VolumeMap(closure) => closure.volume(near),
+                Method::VolumeMap(Some(closure)) => closure.volume(near),
                 _ => near.volume,
             };
             let of = [(pairing.first + within) as u32, pairing.body as u32];
-            let wide = volmap_runtime::Boundary { volume, ..*near };
+            let wide = volmap_runtime::Surface { volume, ..*near };
             self.drags.extend(Drag::new(of, pairing.positions[within], &wide, contact, kernel));
         }
     }
@@ -261,10 +278,12 @@ impl Pairing<'_> {
     }
 
     /// Whether the block's particle number `within` is in the body.
-    fn inside(&self, within: usize, sample: &Sample) -> Option<Inside> {
+    fn inside(&self, within: usize, sample: &Sample<SurfaceWithGradient>) -> Option<Inside> {
         let way_out = match sample {
             Sample::DeepInside => None,
-            Sample::Near(near) if near.distance < 0.0 => Some(-near.distance * near.normal),
+            Sample::Near(SurfaceWithGradient { surface: near, .. }) if near.distance < 0.0 => {
+                Some(-near.distance * near.normal)
+            }
             _ => return None,
         };
         Some(Inside { particle: (self.first + within) as u32, body: self.body as u32, way_out })

@@ -8,7 +8,7 @@ use crate::bodies::{Bodies, FluidContact};
 use crate::error::Error;
 use crate::settings::{BoundaryMethod, World};
 use crate::simulation::Setup;
-use volmap_runtime::{Dimension, Kernel};
+use volmap_runtime::{ClosureKind, Dimension, Kernel};
 
 impl World {
     /// The kernel, normalised in as many dimensions as there are.
@@ -62,7 +62,14 @@ pub(crate) fn check(setup: &Setup) -> Result<(), Error> {
     match (boundary, closure) {
         (BoundaryMethod::DensityMap, _) => Ok(()),
         (BoundaryMethod::VolumeMap, closure) if closure.is_in_plane() => Ok(()),
-        (BoundaryMethod::VolumeMap, _) => refuse("closure", "there are `paper`, `offset` and `mirror`"),
+        (BoundaryMethod::VolumeMap, _) => {
+            let known: Vec<String> = ClosureKind::ALL
+                .iter()
+                .filter(|kind| kind.is_in_plane())
+                .map(|kind| format!("`{kind}`"))
+                .collect();
+            refuse("closure", &format!("there are {}", known.join(", ")))
+        }
         _ => refuse("boundary", "there are volume maps and density maps"),
     }
 }

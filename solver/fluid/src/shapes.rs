@@ -1,7 +1,6 @@
 //! Bodies from meshes made in memory, which are baked as a boundary method needs them.
 
 use crate::bodies::{BodyDescription, ContactMaterial, FluidContact, Motion};
-use crate::boundary::volume_map::cell_size;
 use crate::error::Error;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -39,7 +38,7 @@ pub fn baked_for(
     support_radius: f64,
     container: bool,
 ) -> Result<Shape, Error> {
-    let (radius, cell_size) = (closure.map_radius(support_radius), cell_size(closure, support_radius));
+    let (radius, cell_size) = (closure.map_radius(support_radius), closure.cell_size(support_radius));
     baked_finely(mesh, radius, cell_size, container)
 }
 

@@ -3,7 +3,7 @@
 
 use crate::settings::{FluidSettings, TimeStepSettings, World};
 use std::f64::consts::PI;
-use volmap_runtime::{Dimension, KernelKind};
+use volmap_runtime::Dimension;
 
 /// A particle may cross this part of its diameter in a step, at a CFL factor of 1.
 const PART_OF_DIAMETER: f64 = 0.4;
@@ -27,16 +27,9 @@ pub fn time_step(settings: &TimeStepSettings, particle_radius: f64, max_speed: f
 /// which is 120 / r^2 for the cubic spline; in two dimensions 8 for 10, and 16 pi W(0), which is 91 / r^2. More than the whole difference must not go: nu dt S <= 1, of which XSPH takes
 /// its part.
 pub fn viscous_limit(fluid: &FluidSettings, world: &World) -> f64 {
-    // pi times the kernel's integral along a line, for r = 1.
-    let line = match world.kernel {
-        KernelKind::CubicSpline => 3.0,
-        KernelKind::WendlandC2 => 3.5,
-        KernelKind::Spiky => 3.75,
-        KernelKind::Poly6 => 2.25,
-    };
     let in_radius = match world.dimension {
         Dimension::Two => 16.0 * PI * world.kernel.plane_thickness() * world.kernel.unit_value(0.0),
-        Dimension::Three => 40.0 * line,
+        Dimension::Three => 40.0 * world.kernel.line_integral(),
     };
     let weights = in_radius / (world.support_radius * world.support_radius);
     let [explicit, _] = fluid.viscosities();
@@ -47,6 +40,7 @@ pub fn viscous_limit(fluid: &FluidSettings, world: &World) -> f64 {
 mod tests {
     use super::*;
     use crate::settings::ViscosityMethod;
+    use volmap_runtime::KernelKind;
 
     #[test]
     fn step_keeps_its_bounds() {

@@ -87,7 +87,7 @@ fn density_maps_and_tubes_have_the_integral_over_a_half_space() {
 
 #[test]
 fn particles_have_the_density_of_a_sheet() {
-    let sheet = |z: f64| tube_map::sheet(KernelKind::CubicSpline, z);
+    let sheet = |z: f64| KernelKind::CubicSpline.sheet_integral(z);
     for d in [0.25, 0.5, 0.75] {
         let (density, gradient) = of_floor(Particles, d * 0.2);
         let exact = sheet(d) / sheet(0.0);
@@ -252,7 +252,7 @@ fn settings_that_contradict_are_refused() {
     let map = refused(&format!("boundary = \"particles\"\n{body}"));
     assert!(map.contains("scene.toml:5:1: bodies[0].map: ") && map.contains("give `mesh`"), "{map}");
     let kernel = refused("boundary = \"density_map\"\nkernel = \"spiky\"");
-    assert!(kernel.contains("kernel: density maps are baked for cubic-spline and wendland-c2"), "{kernel}");
+    assert!(kernel.contains("kernel: density maps are baked for cubic_spline and wendland_c2"), "{kernel}");
     let unknown = refused("boundary = \"partikel\"");
     assert!(unknown.contains("unknown value `partikel`"), "{unknown}");
     let old = refused("[solver]\nmirrored_pressure = true");

@@ -88,8 +88,8 @@ fn unknown_keys_are_placed_and_the_likely_one_named() {
         ("max = 2e-3", "\n maximum = 2e-3", "s.toml:23:2: unknown key `maximum`; did you mean `max`?"),
         (
             "version = 1",
-            "version = 1\nkernel = \"cubic_spline\"",
-            "3:10: unknown value `cubic_spline`; did you mean `cubic-spline`?",
+            "version = 1\nkernel = \"cubicspline\"",
+            "3:10: unknown value `cubicspline`; did you mean `cubic_spline`",
         ),
     ];
     for (old, new, expected) in cases {

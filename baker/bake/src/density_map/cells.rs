@@ -1,7 +1,7 @@
 //! Sets of cells and the values at their nodes, put together and taken apart.
 
 use volmap_formats::asset::CellRun;
-use volmap_runtime::{Family, Nodes};
+use volmap_runtime::layout::{Family, Nodes};
 
 /// The cells of `runs` that are not in `others`; both sorted by (k, j, i) and without overlap.
 pub fn without(runs: &[CellRun], others: &[CellRun]) -> Vec<CellRun> {

@@ -11,6 +11,6 @@ pub fn extension(phi: f64, length: f64) -> f64 {
 /// Boundary density over rest density at a point, for a support radius in metres.
 pub fn density(phi: impl Fn(DVec3) -> f64, settings: &DensitySettings, radius: f64, x: DVec3) -> f64 {
     let length = settings.extension * radius;
-    let term = |xi: DVec3| extension(phi(x + radius * xi), length) * settings.kernel.value(xi.length());
+    let term = |xi: DVec3| extension(phi(x + radius * xi), length) * settings.kernel.unit_value(xi.length());
     settings.rule.points().iter().map(|point| point.weight * term(point.position)).sum()
 }

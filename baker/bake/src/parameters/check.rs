@@ -1,6 +1,7 @@
 //! What can't be said in one table of parameters; on the command line clap says it.
 
 use super::Parameters;
+use crate::density_map::parse_kernel;
 
 /// A parameter that can't be used.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -75,6 +76,9 @@ impl Parameters {
     }
 
     fn check_density(&self) -> Result<(), Mistake> {
+        if let Some(Err(reason)) = self.kernel.map(|kernel| parse_kernel(kernel.name())) {
+            return Err(Mistake { key: "kernel", reason });
+        }
         let key = match self {
             _ if self.density != Some(false) => return Ok(()),
             Parameters { kernel: Some(_), .. } => "kernel",

@@ -8,8 +8,9 @@ use crate::rows::{RowCluster, fill_clusters};
 use crate::work::Work;
 use glam::DVec3;
 use volmap_formats::asset::Exterior;
-use volmap_runtime::serendipity::shape;
-use volmap_runtime::{Cell, CellIndex, Grid, Nodes};
+use volmap_runtime::Grid;
+use volmap_runtime::layout::serendipity::shape;
+use volmap_runtime::layout::{Cell, CellIndex, Nodes};
 
 /// Signed distance at the nodes of a band; whole cells of solid or fluid beyond.
 #[derive(Clone, Debug)]

@@ -10,7 +10,8 @@ use crate::mesh::topology::DisjointSets;
 use crate::rows::positions;
 use glam::DVec3;
 use rayon::prelude::*;
-use volmap_runtime::{Family, Grid, Nodes};
+use volmap_runtime::Grid;
+use volmap_runtime::layout::{Family, Nodes};
 
 /// Gives the distances at the nodes, 0 or more, their signs.
 pub fn set_signs(grid: &Grid, nodes: &Nodes, distances: &mut [f64], phi: &impl SignedDistance) {

@@ -9,8 +9,9 @@ use super::window::{contents, monomials_of};
 use crate::sdf::field::DistanceField;
 use glam::{DVec3, IVec3};
 use volmap_formats::asset::Exterior;
-use volmap_runtime::Cell;
-use volmap_runtime::serendipity::NODES;
+use volmap_runtime::layout::Cell;
+use volmap_runtime::layout::serendipity::NODES;
+use volmap_runtime::layout::serendipity::monomials::{X2, X3, Y2, Y3, Z2, Z3};
 
 /// A rule for the unit ball, as lines along x.
 #[derive(Clone, Debug)]
@@ -290,12 +291,14 @@ impl Block {
     }
 }
 
-/// A cell at constant z: the coefficients of [`Surface::Mixed`]. The monomials are listed in `kernel`.
+/// A cell at constant z: the coefficients of [`Surface::Mixed`].
 #[inline(always)]
 pub(super) fn surface_at(m: &[f64; NODES], z: f64) -> [f64; 12] {
-    let base = |at: usize| m[at] + z * (m[at + 4] + z * (m[24 + at] + z * m[28 + at]));
+    let base = |at: usize| m[at] + z * (m[at + 4] + z * (m[Z2 + at] + z * m[Z3 + at]));
     let low = |at: usize| m[at] + z * m[at + 2];
-    [base(0), base(2), low(16), low(20), base(1), base(3), low(17), low(21), low(8), low(9), low(12), low(13)]
+    let along_y = |x: usize| [base(x), base(x + 2), low(Y2 + x), low(Y3 + x)];
+    let ([a, b, c, d], [e, f, g, h]) = (along_y(0), along_y(1));
+    [a, b, c, d, e, f, g, h, low(X2), low(X2 + 1), low(X3), low(X3 + 1)]
 }
 
 /// The coefficients of 1, x, x^2, x^3 at constant y.
@@ -314,7 +317,8 @@ mod tests {
     use crate::volume_map::quadrature::Rule;
     use crate::work::Work;
     use glam::UVec3;
-    use volmap_runtime::{Grid, Nodes};
+    use volmap_runtime::Grid;
+    use volmap_runtime::layout::Nodes;
 
     /// Cells of three lengths, a ball that the domain cuts, both exteriors, points beyond the domain.
     #[test]

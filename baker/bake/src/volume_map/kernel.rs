@@ -1,11 +1,7 @@
 //! The inner loops of the integral, for [`LANES`] neighbouring cells at a time.
 //!
-//! In a cell, s = 1 - Phi / r is a polynomial of the cubic Serendipity space, whose 32 monomials are
-//!
-//! ```text
-//! x^a y^b z^c        BASE + a + 2 b + 4 c       a, b, c = 0, 1
-//! x^2, x^3 y^b z^c   X2, X3 + b + 2 c           and y^2, y^3 x^a z^c, z^2, z^3 x^a y^b alike
-//! ```
+//! In a cell, s = 1 - Phi / r is a polynomial of the cubic Serendipity space, whose 32 monomials have their order in
+//! [`monomials`](volmap_runtime::layout::serendipity::monomials):
 //! so on a line along x it is a cubic, whose coefficients are cubics in z, whose coefficients are cubics in y. Points
 //! that share planes and lines share that work (sum factorisation: Orszag 1980, "Spectral methods for problems in
 //! complex geometries"); a point on a known line costs 3 multiply-adds instead of 32.
@@ -15,7 +11,8 @@
 
 pub mod linear;
 
-use volmap_runtime::serendipity::NODES;
+use volmap_runtime::layout::serendipity::NODES;
+use volmap_runtime::layout::serendipity::monomials::{BASE, X2, X3, Y2, Y3, Z2, Z3};
 
 /// Cells that are worked on together.
 pub const LANES: usize = 4;
@@ -24,14 +21,6 @@ pub const LANES: usize = 4;
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(align(32))]
 pub struct Lanes(pub [f64; LANES]);
-
-const BASE: usize = 0;
-const X2: usize = 8;
-const X3: usize = 12;
-const Y2: usize = 16;
-const Y3: usize = 20;
-const Z2: usize = 24;
-const Z3: usize = 28;
 
 /// The quadrature points of one class of nodes that fall into one cell, as planes of equal y, in these lines of
 /// equal z; local coordinates in [-1, 1].
@@ -411,7 +400,8 @@ mod tests {
     use crate::volume_map::dispatch;
     use crate::volume_map::extension::extension;
     use glam::DVec3;
-    use volmap_runtime::serendipity::{node, shape};
+    use volmap_runtime::layout::serendipity::monomials::POWERS;
+    use volmap_runtime::layout::serendipity::{node, shape};
 
     pub struct Random(pub u64);
 
@@ -432,19 +422,9 @@ mod tests {
         window
     }
 
-    /// s at a point of a cell, by the monomials as the head of this file lists them.
+    /// s at a point of a cell, by the monomials.
     pub fn evaluate(window: &Window<24>, cell: usize, p: [f64; 3]) -> f64 {
-        let powers = |i: usize| match i {
-            0..8 => [i & 1, i >> 1 & 1, i >> 2],
-            _ => {
-                let (axis, high, others) = ((i - 8) / 8, 2 + (i - 8) % 8 / 4, i % 4);
-                let mut powers = [high; 3];
-                let rest = (0..3).filter(|&a| a != axis);
-                rest.zip([others & 1, others >> 1]).for_each(|(a, power)| powers[a] = power);
-                powers
-            }
-        };
-        let term = |i: usize| (0..3).map(|a| p[a].powi(powers(i)[a] as i32)).product::<f64>();
+        let term = |i: usize| (0..3).map(|a| p[a].powi(POWERS[i][a].into())).product::<f64>();
         (0..NODES).map(|i| window.values[i][cell] * term(i)).sum()
     }
 

@@ -14,7 +14,7 @@ use crate::rows::{NodeRow, RowCluster, fill_clusters};
 use crate::sdf::field::DistanceField;
 use crate::work::Work;
 use glam::{DVec3, IVec3, UVec3};
-use volmap_runtime::{Family, Nodes};
+use volmap_runtime::layout::{Family, Nodes};
 
 /// The points of all classes that fall into one row of cells.
 struct RowOfCells {

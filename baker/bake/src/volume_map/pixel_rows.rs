@@ -17,7 +17,8 @@ use glam::{DVec3, IVec3};
 use rayon::prelude::*;
 use std::array::from_fn;
 use std::collections::HashMap;
-use volmap_runtime::serendipity::NODES;
+use volmap_runtime::layout::serendipity::NODES;
+use volmap_runtime::layout::serendipity::monomials::POWERS;
 
 /// Pixels on a plane.
 #[derive(Clone, Debug)]
@@ -293,21 +294,11 @@ impl<'a> Plan<'a> {
     }
 }
 
-/// For the monomials of a cell with its axes exchanged, which of the cell's own they are. `kernel` lists them.
+/// For the monomials of a cell with its axes exchanged, which of the cell's own they are.
 fn order(axes: [usize; 3]) -> [usize; NODES] {
-    let powers: [[usize; 3]; NODES] = from_fn(|at| match at {
-        0..8 => [at & 1, at >> 1 & 1, at >> 2],
-        _ => {
-            let (axis, high, others) = ((at - 8) / 8, 2 + (at - 8) % 8 / 4, at % 4);
-            let mut powers = [high; 3];
-            let rest = (0..3).filter(|own| *own != axis);
-            rest.zip([others & 1, others >> 1]).for_each(|(own, power)| powers[own] = power);
-            powers
-        }
-    });
     from_fn(|at| {
-        let turned = |own: &[usize; 3]| axes.map(|axis| own[axis]) == powers[at];
-        powers.iter().position(turned).unwrap_or_else(|| unreachable!("the space is symmetric"))
+        let turned = |own: &[u8; 3]| axes.map(|axis| own[axis]) == POWERS[at];
+        POWERS.iter().position(turned).unwrap_or_else(|| unreachable!("the space is symmetric"))
     })
 }
 
@@ -426,7 +417,8 @@ mod tests {
     use crate::volume_map::quadrature::Rule;
     use glam::UVec3;
     use volmap_formats::asset::Exterior;
-    use volmap_runtime::{Grid, Nodes};
+    use volmap_runtime::Grid;
+    use volmap_runtime::layout::Nodes;
 
     /// Rows along each axis, cells of three lengths, balls smaller and larger than a cell, some of them cut by the
     /// domain; rules that aren't alike along the axes; both exteriors; pixels beyond the domain, and unwanted ones.

@@ -7,8 +7,8 @@ use glam::UVec3;
 use rayon::prelude::*;
 use std::ops::Range;
 use volmap_formats::asset::Exterior;
-use volmap_runtime::serendipity::NODES;
-use volmap_runtime::{Cell, NodeNumbers};
+use volmap_runtime::layout::serendipity::NODES;
+use volmap_runtime::layout::{Cell, NodeNumbers};
 
 /// Rows of cells of a field.
 pub struct FieldWindows<'a> {

@@ -4,7 +4,7 @@
 //! little too large: by up to 0.11 cells in a sphere and a torus at 40^3 cells.
 
 use glam::UVec3;
-use volmap_runtime::serendipity::{node, shape_and_gradient};
+use volmap_runtime::layout::serendipity::{THIRDS, node, shape_and_gradient};
 use volmap_runtime::{DVec3, Grid};
 
 /// Rounds of sweeps; a second one is needed around bends only.
@@ -117,6 +117,5 @@ impl ClosestPoints {
 }
 
 fn corner(cell: UVec3, a: usize) -> UVec3 {
-    let a = a as u32;
-    cell + UVec3::new(a & 1, a >> 1 & 1, a >> 2 & 1)
+    cell + UVec3::from(THIRDS[a].map(|third| u32::from(third / 3)))
 }

@@ -18,7 +18,8 @@ use crate::error::Error;
 use glam::UVec3;
 use volmap_formats::asset::{Asset, CellRun};
 use volmap_formats::export::cdm::{DiscreteGrid, Field, NODES, REMOVED, UNSAMPLED, local_node};
-use volmap_runtime::{CellIndex, Grid, Nodes, VolumeMap};
+use volmap_runtime::layout::{CellIndex, Nodes};
+use volmap_runtime::{Grid, VolumeMap};
 
 /// A cell that is stored.
 struct Stored {
@@ -72,7 +73,7 @@ fn stored(asset: &Asset) -> Option<(Vec<Stored>, usize)> {
     let places = runs.iter().flat_map(|&(run, is_band)| {
         (run.i..run.i + run.len).map(move |i| (UVec3::new(i, run.j, run.k), is_band))
     });
-    let cell = |((place, is_band), nodes): ((UVec3, bool), volmap_runtime::NodeNumbers)| Stored {
+    let cell = |((place, is_band), nodes): ((UVec3, bool), volmap_runtime::layout::NodeNumbers)| Stored {
         place,
         is_band,
         nodes: nodes.all(),

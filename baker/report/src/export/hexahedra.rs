@@ -7,8 +7,9 @@ use crate::error::Error;
 use glam::UVec3;
 use volmap_formats::asset::{Asset, CellRun};
 use volmap_formats::export::vtkhdf::{CubicHexahedra, POINTS};
-use volmap_runtime::serendipity::{NODES, node, shape};
-use volmap_runtime::{Cell, CellIndex, DVec3, Family, Grid, Nodes, VolumeMap};
+use volmap_runtime::layout::serendipity::{NODES, THIRDS, shape};
+use volmap_runtime::layout::{Cell, CellIndex, Family, Nodes};
+use volmap_runtime::{DVec3, Grid, VolumeMap};
 
 /// Both fields on the band's cells. Points and values are of double precision, whatever that of the asset.
 ///
@@ -65,9 +66,8 @@ fn cells(runs: &[CellRun], thirds: &Nodes) -> Vec<[u32; POINTS]> {
 
 /// The values of the 32 shape functions at each point of a cell; at the nodes exactly 1 and 0.
 fn weights() -> Vec<[f64; NODES]> {
-    let thirds = |xi: DVec3| (1.5 * (xi + DVec3::ONE)).round().as_uvec3();
     let place = |p: u32| UVec3::new(p % 4, p / 4 % 4, p / 16);
-    let at = |place: UVec3| match (0..NODES).find(|&a| thirds(node(a)) == place) {
+    let at = |place: UVec3| match (0..NODES).find(|&a| UVec3::from(THIRDS[a].map(u32::from)) == place) {
         Some(own) => std::array::from_fn(|a| f64::from(u8::from(a == own))),
         None => shape(place.as_dvec3() / 1.5 - DVec3::ONE),
     };

@@ -26,8 +26,8 @@ pub fn image(asset: &Asset, settings: &ExportSettings) -> Result<Image, Error> {
     let mut values = vec![Values::default(); nx * ny * nz];
     values.par_chunks_mut(nx).enumerate().for_each(|(row, out)| {
         let points: Vec<DVec3> = (0..nx).map(|i| lattice.point([i, row % ny, row / ny])).collect();
-        let mut answers = Vec::new();
-        map.values_batch(&points, &mut answers);
+        let mut answers: Vec<Values> = Vec::new();
+        map.sample_batch(&points, &mut answers);
         out.copy_from_slice(&answers);
     });
     let limit = 2.0 * map.support_radius();

@@ -3,7 +3,7 @@
 
 use super::{Kind, cell_values};
 use volmap_formats::export::cdm::{DiscreteGrid, NODES, UNSAMPLED};
-use volmap_runtime::serendipity::node;
+use volmap_runtime::layout::serendipity::node;
 
 /// Makes each removed cell fluid or solid; fluid where nothing is stored beside it.
 ///

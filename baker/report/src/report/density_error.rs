@@ -7,7 +7,6 @@ use glam::DVec3;
 use rayon::prelude::*;
 use volmap_bake::density_map::DensitySettings;
 use volmap_bake::density_map::oracle::extension;
-use volmap_bake::density_map::smoothing::Smoothing;
 use volmap_bake::sdf::{Neighbours, SignedDistance};
 use volmap_bake::volume_map::quadrature::{Point, along_curve};
 use volmap_formats::asset::DensityField;
@@ -21,7 +20,7 @@ pub fn measure(
     solid: &Solid,
     points: &[DVec3],
 ) -> Option<Vec<Measurement>> {
-    let kernel = density.kernel.parse::<Smoothing>().ok()?;
+    let kernel = density.kernel.parse().ok()?;
     let settings = DensitySettings { kernel, rule: PAPER_RULE, extension: 1.0 };
     let rule = along_curve(settings.points());
     let known: Vec<(DVec3, f64)> =

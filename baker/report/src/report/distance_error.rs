@@ -5,6 +5,7 @@ use super::statistics::Measurement;
 use glam::DVec3;
 use rayon::prelude::*;
 use volmap_bake::sdf::{Neighbours, SignedDistance};
+use volmap_runtime::Sample;
 
 /// Errors of the distance, metres, and of the normal, degrees, with 0 for the right angle.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -17,9 +18,9 @@ pub struct DistanceErrors {
 
 /// Measures at the points.
 pub fn measure(model: &Model, solid: &Solid, points: &[DVec3]) -> DistanceErrors {
-    let mut samples = Vec::new();
+    let mut samples: Vec<Sample> = Vec::new();
     model.map.sample_batch(points, &mut samples);
-    let one = |near: &mut Neighbours, (point, sample): (&DVec3, &volmap_runtime::Sample)| {
+    let one = |near: &mut Neighbours, (point, sample): (&DVec3, &Sample)| {
         let boundary = sample.near()?;
         near.know(None);
         let exact = solid.phi.near(*point, &mut near.known[0]);

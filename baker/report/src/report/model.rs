@@ -12,7 +12,8 @@ use volmap_bake::sdf::{MeshDistance, SignMethod};
 use volmap_bake::volume_map::quadrature::Rule;
 use volmap_formats::asset::{Asset, Value};
 use volmap_formats::mesh::TriangleMesh;
-use volmap_runtime::{Grid, Nodes, VolumeMap};
+use volmap_runtime::layout::Nodes;
+use volmap_runtime::{Grid, VolumeMap};
 
 /// An asset, opened in every way that is needed.
 pub struct Model {

@@ -118,7 +118,7 @@ struct PixelValues {
 
 fn row(map: &VolumeMap, lattice: &PixelLattice, j: usize) -> Vec<PixelValues> {
     let points: Vec<DVec3> = (0..lattice.size[0]).map(|i| lattice.point(i, j)).collect();
-    let mut samples = Vec::new();
+    let mut samples: Vec<Sample> = Vec::new();
     map.sample_batch(&points, &mut samples);
     let known = |known| PixelValues { known, distance: f64::NAN, volume: f64::NAN };
     let pixel = |sample: &Sample| match sample {

@@ -21,7 +21,7 @@ use serde::Serialize;
 use volmap_bake::sdf::Neighbours;
 use volmap_bake::volume_map::anywhere::Block;
 use volmap_bake::work::Work;
-use volmap_runtime::serendipity::{node, shape};
+use volmap_runtime::layout::serendipity::{node, shape};
 
 /// The parts of an error, m^3, signed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

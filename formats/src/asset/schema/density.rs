@@ -54,11 +54,11 @@ pub(super) fn from_tree(tree: &mut Tree) -> Result<Option<DensityField>, AssetEr
     let [points] = attributes.integers("points")?;
     let field = DensityField {
         kernel: attributes.text("kernel")?,
-        extension_length: attributes.positive("extension_length")?,
+        extension_length: attributes.real("extension_length")?,
         quadrature: attributes.text("quadrature")?,
         degree: u32::try_from(degree).map_err(|_| attributes.invalid("degree", "is too large"))?,
         points,
-        kernel_integral: attributes.positive("kernel_integral")?,
+        kernel_integral: attributes.real("kernel_integral")?,
         values: Array::F32(Vec::new()),
     };
     Ok(Some(DensityField { values: super::field(tree, DENSITY)?, ..field }))

@@ -23,7 +23,7 @@ use volmap_fluid::settings::{BoundaryMethod, BoundaryPressure, FluidSettings, So
 use volmap_fluid::shapes::{Shape, cuboid};
 use volmap_fluid::simulation::{Setup, Simulation};
 use volmap_formats::mesh::Outline;
-use volmap_runtime::{Closure, ClosureKind, DVec3, Dimension, VolumeMap};
+use volmap_runtime::{ClosureKind, DVec3, Dimension, VolumeMap};
 
 /// It.
 pub const EXPERIMENT: Experiment = Experiment {
@@ -89,9 +89,9 @@ fn run(run: &Run) -> Result<Outcome, Error> {
     for (number, case) in cases().into_iter().take(run.pick(4, 8)).enumerate() {
         (run.progress)(&format!("fig11: {}", case.name));
         let tank = tank(case)?;
-        let along = along_floor(case, &tank.map);
+        let along = along_floor(case, &tank.map)?;
         push_rows(&mut outcome, case, &along);
-        let kink = 100.0 * kink(case, &tank.map);
+        let kink = 100.0 * kink(case, &tank.map)?;
         kinks.push(kink);
         outcome.rows.push(Row::new(case.name, "largest kink on the way to the floor in rp / 10", "%", kink));
         if number < 4 {
@@ -193,8 +193,8 @@ fn dam(case: Case, tank: &Shape) -> Result<Simulation, Error> {
 
 /// At places x along the floor, 2 rp above: the gradient of the wall's density sideways and downwards, the first in parts of
 /// the mean of the second, which is in parts of its mean.
-fn along_floor(case: Case, map: &VolumeMap) -> Vec<[f64; 3]> {
-    let push = push(case, map);
+fn along_floor(case: Case, map: &VolumeMap) -> Result<Vec<[f64; 3]>, Error> {
+    let push = push(case, map)?;
     let slope = |x: f64| {
         let gradient = push(DVec3::new(x, 2.0 * RADIUS, 0.0))?;
         Some([x, gradient.x, -gradient.y])
@@ -202,29 +202,33 @@ fn along_floor(case: Case, map: &VolumeMap) -> Vec<[f64; 3]> {
     let count = (0.8 * TANK / STEP).round() as u32;
     let all: Vec<[f64; 3]> = (0..=count).filter_map(|n| slope(0.1 * TANK + STEP * f64::from(n))).collect();
     let mean = all.iter().map(|[.., down]| down).sum::<f64>() / all.len() as f64;
-    all.iter().map(|[x, sideways, down]| [*x, sideways / mean, down / mean]).collect()
+    Ok(all.iter().map(|[x, sideways, down]| [*x, sideways / mean, down / mean]).collect())
 }
 
 /// The gradient of the wall's density at a point, 1/m.
-fn push(case: Case, map: &VolumeMap) -> impl Fn(DVec3) -> Option<DVec3> {
-    let closure = Closure::new(case.closure, world(case).kernel_of_size(), RADIUS);
-    move |point| match case.boundary {
-        BoundaryMethod::DensityMap => Some(map.density(point)?.gradient),
-        _ => Some(closure.density(&map.sample(point).near()?, point)?.gradient),
-    }
+fn push(case: Case, map: &VolumeMap) -> Result<impl Fn(DVec3) -> Option<DVec3>, Error> {
+    // Of volume maps alone: the others have no use for one.
+    let closure = (case.boundary == BoundaryMethod::VolumeMap)
+        .then(|| map.closure(case.closure, world(case).kernel_of_size(), RADIUS))
+        .transpose()
+        .map_err(|error| Error::Setup { place: case.name.into(), reason: error.to_string() })?;
+    Ok(move |point| match &closure {
+        None => Some(map.density(point)?.gradient),
+        Some(closure) => Some(closure.density(&map.sample(point).near()?, point)?.gradient),
+    })
 }
 
 /// On the way to the floor from 4 rp to rp / 2, the largest change of the push's slope from step to step, in parts of the push
 /// at 2 rp: a jump of the push, where there is one.
-fn kink(case: Case, map: &VolumeMap) -> f64 {
-    let push = push(case, map);
+fn kink(case: Case, map: &VolumeMap) -> Result<f64, Error> {
+    let push = push(case, map)?;
     let down = |n: u32| {
         let gradient = push(DVec3::new(0.37 * TANK, 0.5 * RADIUS + STEP * f64::from(n), 0.0));
         gradient.map_or(0.0, |gradient| -gradient.y)
     };
     let way: Vec<f64> = (0..=35).map(down).collect();
     let kinks = way.windows(3).map(|three| (three[0] - 2.0 * three[1] + three[2]).abs());
-    kinks.fold(0.0, f64::max) / way[15]
+    Ok(kinks.fold(0.0, f64::max) / way[15])
 }
 
 /// Between the places along the floor, metres.
@@ -323,7 +327,7 @@ mod tests {
     #[test]
     fn coarse_density_maps_push_sideways_and_volume_maps_do_not() {
         let sideways = |case: Case| {
-            let along = along_floor(case, &tank(case).unwrap().map);
+            let along = along_floor(case, &tank(case).unwrap().map).unwrap();
             assert!(along.len() > 700);
             (along.iter().map(|[_, sideways, _]| sideways * sideways).sum::<f64>() / along.len() as f64)
                 .sqrt()

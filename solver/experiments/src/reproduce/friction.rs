@@ -11,7 +11,7 @@ use volmap_fluid::bodies::{BodyDescription, FluidContact, Motion};
 use volmap_fluid::shapes::{Shape, cuboid};
 use volmap_fluid::simulation::Simulation;
 use volmap_fluid::viscosity::drag::Drag;
-use volmap_runtime::{Boundary, DVec3, Kernel, KernelKind};
+use volmap_runtime::{DVec3, Kernel, KernelKind, Surface};
 
 /// It.
 pub const EXPERIMENT: Experiment = Experiment {
@@ -125,7 +125,7 @@ impl Slide {
 /// Rate at which a particle at a height over a half space loses its speed, 1/s.
 fn rate(height: f64, contact: FluidContact) -> f64 {
     let kernel = Kernel::new(KernelKind::CubicSpline, RADIUS);
-    let wall = Boundary {
+    let wall = Surface {
         distance: height,
         normal: DVec3::Y,
         closest_point: DVec3::ZERO,

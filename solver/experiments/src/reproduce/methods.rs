@@ -5,7 +5,6 @@ use volmap_bake::density_map::DensitySettings;
 use volmap_bake::plan::{GridChoice, Settings};
 use volmap_fluid::Error;
 use volmap_fluid::bodies::{Bodies, BodyDescription};
-use volmap_fluid::boundary::volume_map::cell_size;
 use volmap_fluid::boundary::{Boundary, Wall, density_map};
 use volmap_fluid::particles::Particles;
 use volmap_fluid::settings::{
@@ -14,7 +13,7 @@ use volmap_fluid::settings::{
 use volmap_fluid::shapes::{Shape, baked_by};
 use volmap_fluid::simulation::{Setup, Simulation, StepReport};
 use volmap_formats::mesh::TriangleMesh;
-use volmap_runtime::{ClosureKind, DVec3, KernelKind};
+use volmap_runtime::{ClosureKind, DVec3};
 
 /// How the fluid sees bodies, and what pressure they have.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -104,12 +103,9 @@ impl Method {
         let density = DensitySettings { extension: density_map::EXTENSION, ..DensitySettings::default() };
         Settings {
             support_radius: Some(closure.map_radius(support_radius)),
-            grid: GridChoice::CellSize(cell_size(closure, support_radius)),
+            grid: GridChoice::CellSize(closure.cell_size(support_radius)),
             invert: container,
-            density: (self.boundary == BoundaryMethod::DensityMap).then_some(DensitySettings {
-                kernel: density_map::smoothing(KernelKind::CubicSpline).unwrap_or_default(),
-                ..density
-            }),
+            density: (self.boundary == BoundaryMethod::DensityMap).then_some(density),
             ..Settings::default()
         }
     }

@@ -14,7 +14,7 @@ use volmap_fluid::observe::percentile;
 use volmap_fluid::settings::{BoundaryMethod, FluidSettings};
 use volmap_fluid::shapes::{baked_by, cuboid};
 use volmap_fluid::simulation::{Simulation, StepReport};
-use volmap_runtime::{ClosureKind, DVec3};
+use volmap_runtime::{ClosureKind, DVec3, Sample, SurfaceWithGradient};
 
 /// Places that maps are asked about at once.
 const AT_ONCE: usize = 512;
@@ -145,9 +145,9 @@ impl Racer {
     fn map_queries(&self) -> Duration {
         let start = Instant::now();
         let chunks = self.simulation.particles().positions.par_chunks(AT_ONCE);
-        chunks.for_each_init(Vec::new, |samples, positions| {
+        chunks.for_each_init(Vec::<Sample<SurfaceWithGradient>>::new, |samples, positions| {
             for body in self.simulation.bodies().posed() {
-                body.sample_with_gradient_batch(positions, samples);
+                body.sample_batch(positions, samples);
                 std::hint::black_box(&samples);
             }
         });

@@ -7,7 +7,6 @@ use std::f64::consts::PI;
 use volmap_figures::picture::colours::DISTINCT;
 use volmap_fluid::Error;
 use volmap_fluid::bodies::{Motion, Path, Spin};
-use volmap_fluid::boundary::volume_map::cell_size_of_turning;
 use volmap_fluid::observe::{momenta, rms_speed, until};
 use volmap_fluid::shapes::{Shape, baked_finely, ball};
 use volmap_runtime::{ClosureKind, DVec3};
@@ -40,7 +39,7 @@ fn run(run: &Run) -> Result<Outcome, Error> {
     let radius = run.pick(0.025, 0.0125);
     // As scenes bake what turns.
     let (closure, support) = (ClosureKind::Mirror, 4.0 * radius);
-    let cell = cell_size_of_turning(closure, support);
+    let cell = closure.cell_size_of_turning(support);
     let hollow = baked_finely(ball(RADIUS, 6), closure.map_radius(support), cell, true)?;
     let level = Spin { axis: DVec3::X, centre: DVec3::ZERO, speed: SPEED * PI / 30.0 };
     let spins = [

@@ -5,7 +5,7 @@
 use glam::DMat3;
 use rayon::prelude::*;
 use volmap_formats::mesh::TriangleMesh;
-use volmap_runtime::{DQuat, DVec3, VolumeMap};
+use volmap_runtime::{DQuat, DVec3, Values, VolumeMap};
 
 /// Points along each edge of a cell that the surface may cross.
 const SUBCELLS: u32 = 4;
@@ -139,12 +139,12 @@ fn layer_moments(map: &VolumeMap, origin: DVec3, z: u32) -> Moments {
     let part = grid.cell_size / f64::from(SUBCELLS);
     let width = part.element_product().cbrt();
     let mut moments = Moments::ZERO;
-    let (mut points, mut values, mut parts) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut points, mut values, mut parts) = (Vec::new(), Vec::<Values>::new(), Vec::new());
     for y in 0..grid.resolution.y {
         let centre = |x: u32| grid.cell_corner([x, y, z].into()) + 0.5 * grid.cell_size;
         points.clear();
         points.extend((0..grid.resolution.x).map(centre));
-        map.values_batch(&points, &mut values);
+        map.sample_batch(&points, &mut values);
         parts.clear();
         for (centre, value) in points.iter().zip(&values) {
             if value.distance == f64::NEG_INFINITY {
@@ -156,7 +156,7 @@ fn layer_moments(map: &VolumeMap, origin: DVec3, z: u32) -> Moments {
                 }));
             }
         }
-        map.values_batch(&parts, &mut values);
+        map.sample_batch(&parts, &mut values);
         for (point, value) in parts.iter().zip(&values) {
             let solid = (0.5 - value.distance / width).clamp(0.0, 1.0);
             if solid > 0.0 {

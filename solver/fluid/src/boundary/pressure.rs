@@ -22,7 +22,7 @@ use crate::pairs::lanes::Quad;
 use crate::settings::BoundaryPressure;
 use glam::{DMat3, IVec3};
 use rayon::prelude::*;
-use volmap_runtime::{ClosureKind, DVec3};
+use volmap_runtime::DVec3;
 
 /// Spread of a site's neighbours along a direction, in parts of the support radius, below which there is no slope along it.
 /// The paper takes no slope at all where the matrix of Eq. 14 can't be inverted, and any else. Measured on water at rest:
@@ -154,10 +154,10 @@ impl Boundary {
         }
     }
 
-    /// Part of a contact's gradient that is the wall's own: the closure `mirror` has the image's part in it already.
+    /// Part of a contact's gradient that is the wall's own: a closure with an image has its part in it already.
     fn own_part(&self, kind: BoundaryPressure) -> f32 {
         let has_image =
-            matches!(&self.method, Method::VolumeMap(closure) if closure.kind() == ClosureKind::Mirror);
+            matches!(&self.method, Method::VolumeMap(Some(closure)) if closure.kind().has_image());
         if has_image && kind.is_extrapolated() { 0.5 } else { 1.0 }
     }
 }

@@ -25,7 +25,7 @@
 
 use super::density_map::EXTENSION;
 use super::{Contact, Pairing, Scratch};
-use volmap_runtime::{Boundary, DVec3, Kernel, KernelKind, Sample};
+use volmap_runtime::{DVec3, Kernel, KernelKind, Sample, Surface, SurfaceWithGradient};
 
 /// Step of the differences in support radii: a map's cell as scenes bake it.
 const STEP: f64 = 0.25;
@@ -44,11 +44,11 @@ pub(super) fn touch(pairing: Pairing, kernel: &Kernel, scratch: &mut Scratch, co
     points.clear();
     let all = || samples.iter().zip(pairing.positions);
     let near =
-        || all().enumerate().filter_map(|(i, (sample, &x))| in_reach(&sample.0, radius).map(|n| (i, x, n)));
+        || all().enumerate().filter_map(|(i, (sample, &x))| in_reach(sample, radius).map(|n| (i, x, n)));
     for (_, position, boundary) in near() {
         points.extend(probes(boundary.normal, STEP * radius).map(|offset| position + offset));
     }
-    pairing.map().values_batch(points, values);
+    pairing.map().sample_batch(points, values);
     for ((within, _, boundary), values) in near().zip(values.chunks_exact(PROBES)) {
         let distances: [f64; PROBES] = std::array::from_fn(|n| values[n].distance);
         let curvatures = curvatures(boundary.distance, &distances, STEP * radius).map(|h| h * radius);
@@ -58,8 +58,8 @@ pub(super) fn touch(pairing: Pairing, kernel: &Kernel, scratch: &mut Scratch, co
     }
 }
 
-fn in_reach(sample: &Sample, radius: f64) -> Option<Boundary> {
-    sample.near().filter(|near| near.distance < (1.0 + EXTENSION) * radius)
+fn in_reach(sample: &Sample<SurfaceWithGradient>, radius: f64) -> Option<Surface> {
+    sample.near().map(|near| near.surface).filter(|near| near.distance < (1.0 + EXTENSION) * radius)
 }
 
 /// Both ways along two tangents, their diagonal, and the normal.
@@ -115,7 +115,7 @@ pub fn density(kernel: KernelKind, d: f64, curvatures: [f64; 2]) -> [f64; 2] {
                 break;
             }
             let z = begin + width * node;
-            let ([a, b, root], part) = (at(z), weight * width * sheet(kernel, z.abs()));
+            let ([a, b, root], part) = (at(z), weight * width * kernel.sheet_integral(z.abs()));
             let gamma = 1.0 + (z - d) / EXTENSION;
             sum[0] += part * gamma * root;
             sum[1] -= part * root / EXTENSION;
@@ -126,19 +126,6 @@ pub fn density(kernel: KernelKind, d: f64, curvatures: [f64; 2]) -> [f64; 2] {
         }
     }
     sum
-}
-
-/// W_1: the kernel over a plane at distance z >= 0; support radius 1.
-pub fn sheet(kernel: KernelKind, z: f64) -> f64 {
-    let u = (1.0 - z).max(0.0);
-    // The integral of v^3 (1 - v).
-    let cubic = |v: f64| v.powi(4) * (0.25 - 0.2 * v);
-    match kernel {
-        KernelKind::CubicSpline => 32.0 * cubic(u) - 4.0 * cubic((1.0 - 2.0 * z).max(0.0)),
-        KernelKind::WendlandC2 => u.powi(5) * (21.0 - 31.5 * u + 12.0 * u * u),
-        KernelKind::Spiky => 30.0 * cubic(u),
-        KernelKind::Poly6 => 315.0 / 256.0 * (1.0 - z * z).max(0.0).powi(4),
-    }
 }
 
 #[cfg(test)]
@@ -170,9 +157,9 @@ mod tests {
         for kernel in KernelKind::ALL {
             for z in [0.0, 0.2, 0.5, 0.8, 0.99] {
                 let sum = integral(z, 1.0, 2000, |s| 2.0 * PI * kernel.unit_value(s) * s);
-                assert!((sheet(kernel, z) - sum).abs() < 1e-5, "{kernel} {z}");
+                assert!((kernel.sheet_integral(z) - sum).abs() < 1e-5, "{kernel} {z}");
             }
-            assert!((integral(0.0, 1.0, 2000, |z| 2.0 * sheet(kernel, z)) - 1.0).abs() < 1e-5);
+            assert!((integral(0.0, 1.0, 2000, |z| 2.0 * kernel.sheet_integral(z)) - 1.0).abs() < 1e-5);
         }
     }
 

@@ -12,7 +12,7 @@
 //! it is that at x_i as well: fluid and body that turn together don't rub.
 
 use crate::bodies::{Bodies, FluidContact};
-use volmap_runtime::{Boundary, DVec3, Kernel};
+use volmap_runtime::{DVec3, Kernel, Surface};
 
 /// From the closest point to each of the four points, d, in support radii.
 const POINT_DISTANCE: f64 = 0.5;
@@ -43,7 +43,7 @@ impl Drag {
     pub fn new(
         [particle, body]: [u32; 2],
         point: DVec3,
-        boundary: &Boundary,
+        boundary: &Surface,
         contact: FluidContact,
         kernel: &Kernel,
     ) -> Option<Drag> {
@@ -101,7 +101,7 @@ mod tests {
     /// A particle and a body that move and turn somehow, and what the four points make of it: force on the particle for each
     /// mass, and the torque of its opposite about the body's centre.
     fn four_points(
-        boundary: &Boundary,
+        boundary: &Surface,
         x: DVec3,
         motion: &Motion,
         kernel: &Kernel,
@@ -141,9 +141,9 @@ mod tests {
 
     const RADIUS: f64 = 0.1;
 
-    fn boundary(distance: f64) -> (Boundary, DVec3) {
+    fn boundary(distance: f64) -> (Surface, DVec3) {
         let (normal, x) = (DVec3::new(0.6, -0.64, 0.48), DVec3::new(0.3, 0.2, -0.7));
-        (Boundary { distance, normal, closest_point: x - distance * normal, volume: 2.1e-3 }, x)
+        (Surface { distance, normal, closest_point: x - distance * normal, volume: 2.1e-3 }, x)
     }
 
     #[test]
@@ -186,7 +186,7 @@ mod tests {
         for (axis, column) in [(DVec3::X, [xx, xy, xz]), (DVec3::Y, [xy, yy, yz]), (DVec3::Z, [xz, yz, zz])] {
             assert!((drag.rate(axis) - DVec3::from(column)).length() < 1e-12 * drag.tangential);
         }
-        let (none, far) = (FluidContact::default(), Boundary { distance: 0.9 * RADIUS, ..boundary });
+        let (none, far) = (FluidContact::default(), Surface { distance: 0.9 * RADIUS, ..boundary });
         assert_eq!(Drag::new([3, 1], x, &boundary, none, &kernel), None);
         assert_eq!(Drag::new([3, 1], x, &far, contact, &kernel), None, "all four are farther than r");
     }

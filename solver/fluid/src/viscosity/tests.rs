@@ -8,7 +8,7 @@ use crate::neighbours::tests::{Arranged, arrange_with, random, random_points};
 use crate::settings::{FluidSettings, ViscositySolveSettings, World};
 use crate::shapes::{Shape, baked, cuboid};
 use nalgebra::{DMatrix, DVector};
-use volmap_runtime::{Closure, ClosureKind, DQuat, Dimension, Kernel, KernelKind, Pose, Sample};
+use volmap_runtime::{ClosureKind, DQuat, Dimension, Kernel, KernelKind, Pose, Sample};
 
 const RADIUS: f64 = 0.1;
 const VOLUME: f64 = 1.25e-4;
@@ -125,7 +125,8 @@ impl Scene {
             let slope = x.normalize_or_zero() * kernel.derivative(x.length());
             10.0 * volume * apart.dot(x) / (x.length_squared() + 0.01 * RADIUS * RADIUS) * slope
         };
-        let closure = Closure::new(ClosureKind::Mirror, kernel, 0.25 * RADIUS);
+        let map = &self.bodies.posed()[0].map;
+        let closure = map.closure(ClosureKind::Mirror, kernel, 0.25 * RADIUS).unwrap();
         let (mut out, mut pushes) = (Vec::new(), [DVec3::ZERO; 2]);
         for (i, x) in self.positions.iter().enumerate() {
             let mut sum = DVec3::ZERO;

@@ -1,10 +1,11 @@
 //! Checks of values that belong together.
 
 use super::Scene;
+use volmap_bake::density_map::KERNELS;
 use volmap_documents::{At, Checked};
-use volmap_fluid::boundary::density_map;
 use volmap_fluid::settings::{BoundaryMethod, FluidSettings, SolveSettings, SolverSettings, World};
 use volmap_fluid::time_step::viscous_limit;
+use volmap_runtime::KernelKind;
 
 /// Whether the boundary's method goes with the other settings, and has what it needs.
 pub(super) fn boundary(at: &At, scene: &Scene) -> Checked {
@@ -17,10 +18,10 @@ pub(super) fn boundary(at: &At, scene: &Scene) -> Checked {
         method == BoundaryMethod::Particles || scene.boundary_sampling.is_none(),
         || "belongs to boundary particles; leave it out, or take boundary = \"particles\"".into(),
     )?;
-    let is_baked = density_map::smoothing(scene.world().kernel).is_some();
+    let is_baked = KERNELS.contains(&scene.world().kernel);
     at.require("kernel", method != BoundaryMethod::DensityMap || is_baked, || {
-        "density maps are baked for cubic-spline and wendland-c2 only; take one of them, or another boundary"
-            .into()
+        let known = KERNELS.map(KernelKind::name).join(" and ");
+        format!("density maps are baked for {known} only; take one of them, or another boundary")
     })?;
     if method == BoundaryMethod::Particles {
         for (i, body) in scene.bodies.iter().enumerate() {

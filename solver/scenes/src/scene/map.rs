@@ -12,7 +12,6 @@ use volmap_bake::input::{Input, InputSettings};
 use volmap_bake::plan::{GridChoice, Settings};
 use volmap_bake::recipe::Recipe;
 use volmap_fluid::boundary::density_map;
-use volmap_fluid::boundary::volume_map::{cell_size, cell_size_of_turning};
 use volmap_fluid::settings::{BoundaryMethod, World};
 use volmap_formats::asset::{self, Compression, Exterior};
 use volmap_formats::mesh::{Placement, TriangleMesh, UpAxis};
@@ -82,8 +81,8 @@ impl<'a> Library<'a> {
         Library {
             closure,
             support_radius: closure.map_radius(world.support_radius),
-            cell_size: cell_size(closure, world.support_radius),
-            cell_size_of_turning: cell_size_of_turning(closure, world.support_radius),
+            cell_size: closure.cell_size(world.support_radius),
+            cell_size_of_turning: closure.cell_size_of_turning(world.support_radius),
             density,
             cache,
             shapes: Vec::new(),
@@ -161,10 +160,9 @@ impl<'a> Library<'a> {
         let Some(defect) = density_map::defect(shape.map.density_kernel(), kernel) else { return Ok(shape) };
         let file = source.path().display();
         let invert = if shape.map.exterior() == Exterior::Solid { " --invert" } else { "" };
-        let name = density_map::smoothing(kernel).unwrap_or_default();
         let reason = format!(
             "{file} can't be used with boundary = \"density_map\": {defect}; name the mesh in the scene instead, or bake it \
-             again: volmap bake MESH -o {file} --support-radius {}{invert} --density --kernel {name} (its gamma ends at r, \
+             again: volmap bake MESH -o {file} --support-radius {}{invert} --density --kernel {kernel} (its gamma ends at r, \
              as in the paper, and the fluid keeps farther from walls)",
             self.support_radius
         );
@@ -243,7 +241,7 @@ impl<'a> Library<'a> {
             grid,
             invert: settings.invert,
             thickness: settings.thickness,
-            density: density.and_then(density_map::smoothing).map(|kernel| DensitySettings {
+            density: density.map(|kernel| DensitySettings {
                 kernel,
                 extension: density_map::EXTENSION,
                 ..DensitySettings::default()
@@ -284,7 +282,7 @@ fn input_settings(settings: &Bake) -> InputSettings {
 fn open_asset(path: &Path) -> Result<Shape, Error> {
     let bytes = std::fs::read(path).map_err(io_error(path))?;
     let content = *blake3::hash(&bytes).as_bytes();
-    let in_file = |source| volmap_runtime::Error::InFile { path: path.to_owned(), source: Box::new(source) };
+    let in_file = |error| volmap_runtime::Error::InFile { path: path.to_owned(), error: Box::new(error) };
     let map = VolumeMap::from_bytes(bytes).map_err(in_file)?;
     if map.dimension() == Dimension::Two {
         let reason = "it is a map in two dimensions, and scenes are in three; bake a mesh: volmap bake MESH";

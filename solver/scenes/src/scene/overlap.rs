@@ -18,7 +18,7 @@ pub(super) fn drop_in_bodies(points: &mut Vec<DVec3>, bodies: &[PosedMap], margi
     for body in bodies {
         let mut kept = Vec::with_capacity(points.len());
         for block in points.chunks(BLOCK) {
-            body.values_batch(block, &mut values);
+            body.sample_batch(block, &mut values);
             kept.extend(
                 block.iter().zip(&values).filter(|(_, at)| at.distance >= margin).map(|(point, _)| *point),
             );

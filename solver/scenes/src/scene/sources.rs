@@ -150,7 +150,7 @@ fn with_room(points: impl Iterator<Item = DVec3>, fill: &Fill, solid: &Solid, rp
         if block.is_empty() {
             return out;
         }
-        solid.map.values_batch(&block, &mut values);
+        solid.map.sample_batch(&block, &mut values);
         let room = block.iter().zip(&values).filter(|(point, at)| has_room(solid, **point, at.distance, rp));
         out.extend(room.map(|(point, _)| *point));
     }

@@ -95,7 +95,7 @@ pub fn moments(group: &Group) -> Vec<f64> {
     out
 }
 
-/// The monomials at a point, in the order that the head of `kernel.rs` gives.
+/// The monomials at a point, in their order.
 fn monomials([x, y, z]: [f64; 3]) -> [f64; NODES] {
     let product = |i: usize, a: f64, b: f64| [1.0, a][i & 1] * [1.0, b][i >> 1 & 1];
     let mut out = [0.0; NODES];

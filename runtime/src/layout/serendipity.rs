@@ -17,17 +17,70 @@ use glam::DVec3;
 /// Nodes of the element.
 pub const NODES: usize = 32;
 
-/// Reference coordinates of a node.
-pub fn node(index: usize) -> DVec3 {
-    let side = |bit: usize| if index >> bit & 1 == 0 { -1.0 } else { 1.0 };
-    let third = side(0) / 3.0;
-    match index / 8 {
-        0 => DVec3::new(side(0), side(1), side(2)),
-        1 => DVec3::new(third, side(1), side(2)),
-        2 => DVec3::new(side(1), third, side(2)),
-        3 => DVec3::new(side(1), side(2), third),
-        _ => panic!("a cubic Serendipity element has 32 nodes, not a node {index}"),
+/// Where the nodes are, in thirds of the cell along x, y and z: 0 and 3 at its sides. The one table of their order.
+pub const THIRDS: [[u8; 3]; NODES] = {
+    let mut thirds = [[0; 3]; NODES];
+    let mut node = 0;
+    while node < NODES {
+        let bits = [node as u8 & 1, node as u8 >> 1 & 1, node as u8 >> 2 & 1];
+        // Of an edge the lowest bit is which third, the others are the sides of the other two axes.
+        thirds[node] = match node / 8 {
+            0 => [3 * bits[0], 3 * bits[1], 3 * bits[2]],
+            1 => [1 + bits[0], 3 * bits[1], 3 * bits[2]],
+            2 => [3 * bits[1], 1 + bits[0], 3 * bits[2]],
+            _ => [3 * bits[1], 3 * bits[2], 1 + bits[0]],
+        };
+        node += 1;
     }
+    thirds
+};
+
+/// Reference coordinates of a node, -1 to 1. Panics from 32 on.
+pub fn node(index: usize) -> DVec3 {
+    const PLACES: [f64; 4] = [-1.0, -1.0 / 3.0, 1.0 / 3.0, 1.0];
+    DVec3::from(THIRDS[index].map(|third| PLACES[usize::from(third)]))
+}
+
+/// The monomials that span the element's space, for who works with polynomials instead of nodes.
+///
+/// ```text
+/// x^a y^b z^c        BASE + a + 2 b + 4 c       a, b, c = 0, 1
+/// x^2, x^3 y^b z^c   X2, X3 + b + 2 c           and y^2, y^3 x^a z^c, z^2, z^3 x^a y^b alike
+/// ```
+pub mod monomials {
+    use super::NODES;
+
+    /// Where the products of powers 0 and 1 begin.
+    pub const BASE: usize = 0;
+    /// Where those with x^2 begin.
+    pub const X2: usize = 8;
+    /// Where those with x^3 begin.
+    pub const X3: usize = 12;
+    /// Where those with y^2 begin.
+    pub const Y2: usize = 16;
+    /// Where those with y^3 begin.
+    pub const Y3: usize = 20;
+    /// Where those with z^2 begin.
+    pub const Z2: usize = 24;
+    /// Where those with z^3 begin.
+    pub const Z3: usize = 28;
+
+    /// Their powers of x, y and z. The one table of their order.
+    pub const POWERS: [[u8; 3]; NODES] = {
+        let mut powers = [[0; 3]; NODES];
+        let mut at = 0;
+        while at < NODES {
+            let bits = [at as u8 & 1, at as u8 >> 1 & 1, at as u8 >> 2 & 1];
+            powers[at] = match at {
+                BASE..X2 => bits,
+                X2..Y2 => [2 + bits[2], bits[0], bits[1]],
+                Y2..Z2 => [bits[0], 2 + bits[2], bits[1]],
+                _ => [bits[0], bits[1], 2 + bits[2]],
+            };
+            at += 1;
+        }
+        powers
+    };
 }
 
 /// Factors of one axis: linear (1 - x, 1 + x), and cubic of the edge nodes 9/64 (1 - x^2)(1 -+ 3x).

@@ -11,6 +11,7 @@
 //! x-edges  4 rows (dy, dz)  2 numbers each     z-edges  2 rows (dy)  4 numbers each
 //! ```
 
+use crate::grid::Grid;
 use glam::{DVec3, UVec3};
 use volmap_formats::asset::CellRun;
 
@@ -120,13 +121,28 @@ impl Nodes {
         })
     }
 
+    /// Where the nodes are, metres, in the order of their numbers.
+    pub fn positions<'a>(&'a self, grid: &'a Grid) -> impl Iterator<Item = DVec3> + 'a {
+        let of_family = move |family: Family| {
+            self.intervals(family).flat_map(move |(j, k, interval)| {
+                let points =
+                    (interval.first..interval.end).map(move |i| DVec3::new(i.into(), j.into(), k.into()));
+                points.flat_map(move |corner| {
+                    let each = move |t| grid.origin + grid.cell_size * (corner + family.offset(t));
+                    (0..family.nodes_per_point()).map(each)
+                })
+            })
+        };
+        Family::ALL.into_iter().flat_map(of_family)
+    }
+
     /// Number of the first node of a lattice point, which must have one (panics otherwise).
     pub fn number(&self, family: Family, i: u32, j: u32, k: u32) -> u32 {
         self.families[family as usize].number(i, j, k, family.nodes_per_point())
     }
 
     /// The 12 places from which the nodes of the run's first cell are numbered.
-    pub(crate) fn bases(&self, run: CellRun) -> [u32; 12] {
+    pub(super) fn bases(&self, run: CellRun) -> [u32; 12] {
         let at = |family: Family, dy: u32, dz: u32| {
             self.families[family as usize].number(run.i, run.j + dy, run.k + dz, family.nodes_per_point())
         };
@@ -149,7 +165,7 @@ impl FamilyRows {
 }
 
 /// Per row of cells, where its runs begin in `runs`; one more entry at the end.
-pub(crate) fn row_table(resolution: UVec3, runs: &[CellRun]) -> Vec<u32> {
+pub(super) fn row_table(resolution: UVec3, runs: &[CellRun]) -> Vec<u32> {
     let rows = resolution.y as usize * resolution.z as usize;
     let mut table = vec![0; rows + 1];
     for run in runs {

@@ -1,13 +1,13 @@
 //! The values at the nodes, and how a cell's are read: all that depends on how they are stored.
 
-use crate::cells::Starts;
 use crate::element::Rows;
 use crate::lanes::Lanes;
+use crate::layout::Starts;
 use volmap_formats::asset::Array;
 
 /// Signed distance and volume of each node, side by side.
 #[derive(Clone, Debug)]
-pub(crate) enum Fields {
+pub(crate) enum Pairs {
     F32(Vec<[f32; 2]>),
     F64(Vec<[f64; 2]>),
     Rounded(Multiples),
@@ -20,17 +20,17 @@ pub(crate) struct Multiples {
     steps: [f64; 2],
 }
 
-impl Fields {
+impl Pairs {
     /// `None` if the arrays differ in type.
-    pub fn interleave(distance: &Array, volume: &Array) -> Option<Fields> {
+    pub fn interleave(distance: &Array, volume: &Array) -> Option<Pairs> {
         match (distance, volume) {
             (Array::F32(d), Array::F32(v)) => {
-                Some(Fields::F32(d.iter().zip(v).map(|(&d, &v)| [d, v]).collect()))
+                Some(Pairs::F32(d.iter().zip(v).map(|(&d, &v)| [d, v]).collect()))
             }
             (Array::F64(d), Array::F64(v)) => {
-                Some(Fields::F64(d.iter().zip(v).map(|(&d, &v)| [d, v]).collect()))
+                Some(Pairs::F64(d.iter().zip(v).map(|(&d, &v)| [d, v]).collect()))
             }
-            (Array::Rounded(d), Array::Rounded(v)) => Some(Fields::Rounded(Multiples {
+            (Array::Rounded(d), Array::Rounded(v)) => Some(Pairs::Rounded(Multiples {
                 nodes: d.multiples.iter().zip(&v.multiples).map(|(&d, &v)| [d, v]).collect(),
                 steps: [d.step, v.step],
             })),
@@ -41,16 +41,16 @@ impl Fields {
     /// Bytes held in memory.
     pub fn memory_bytes(&self) -> usize {
         match self {
-            Fields::F32(nodes) => size_of_val(nodes.as_slice()),
-            Fields::F64(nodes) => size_of_val(nodes.as_slice()),
-            Fields::Rounded(multiples) => size_of_val(multiples.nodes.as_slice()),
+            Pairs::F32(nodes) => size_of_val(nodes.as_slice()),
+            Pairs::F64(nodes) => size_of_val(nodes.as_slice()),
+            Pairs::Rounded(multiples) => size_of_val(multiples.nodes.as_slice()),
         }
     }
 }
 
 /// One number a node, of a field that is asked for by itself.
 #[derive(Clone, Debug)]
-pub(crate) enum Numbers {
+pub(crate) enum Singles {
     F32(Vec<f32>),
     F64(Vec<f64>),
     Rounded(Steps),
@@ -63,13 +63,13 @@ pub(crate) struct Steps {
     step: f64,
 }
 
-impl Numbers {
+impl Singles {
     /// `None` if the array isn't a field's.
-    pub fn new(array: &Array) -> Option<Numbers> {
+    pub fn new(array: &Array) -> Option<Singles> {
         match array {
-            Array::F32(v) => Some(Numbers::F32(v.clone())),
-            Array::F64(v) => Some(Numbers::F64(v.clone())),
-            Array::Rounded(v) => Some(Numbers::Rounded(Steps { nodes: v.multiples.clone(), step: v.step })),
+            Array::F32(v) => Some(Singles::F32(v.clone())),
+            Array::F64(v) => Some(Singles::F64(v.clone())),
+            Array::Rounded(v) => Some(Singles::Rounded(Steps { nodes: v.multiples.clone(), step: v.step })),
             Array::U32(_) => None,
         }
     }
@@ -77,9 +77,9 @@ impl Numbers {
     /// Bytes held in memory.
     pub fn memory_bytes(&self) -> usize {
         match self {
-            Numbers::F32(nodes) => size_of_val(nodes.as_slice()),
-            Numbers::F64(nodes) => size_of_val(nodes.as_slice()),
-            Numbers::Rounded(steps) => size_of_val(steps.nodes.as_slice()),
+            Singles::F32(nodes) => size_of_val(nodes.as_slice()),
+            Singles::F64(nodes) => size_of_val(nodes.as_slice()),
+            Singles::Rounded(steps) => size_of_val(steps.nodes.as_slice()),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! From a cell to the numbers of its nodes, in a sparse grid.
 
-use crate::nodes::{Nodes, row_table};
-use crate::serendipity::NODES;
+use super::nodes::{Nodes, row_table};
+use super::serendipity::NODES;
 use glam::UVec3;
 use std::ops::Range;
 use volmap_formats::asset::CellRun;
@@ -17,7 +17,7 @@ pub enum Cell {
     Fluid,
 }
 
-/// The numbers of a cell's 32 nodes, in the order of [`crate::serendipity`].
+/// The numbers of a cell's 32 nodes, in the order of [`serendipity`](super::serendipity).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NodeNumbers {
     bases: [u32; 12],

@@ -1,0 +1,71 @@
+//! A volume map in memory, and what is known of it as a whole.
+
+use crate::grid::Grid;
+use crate::kernel::KernelKind;
+use crate::layout::CellIndex;
+use crate::storage::{Pairs, Singles};
+use glam::DVec3;
+use volmap_formats::asset::{Dimension, Exterior, QuadratureSpec};
+
+/// A volume map, ready to be sampled. Made by [`VolumeMap::open`].
+#[derive(Clone, Debug)]
+pub struct VolumeMap {
+    pub(crate) dimension: Dimension,
+    pub(crate) grid: Grid,
+    /// 1 / cell_size, for gradients only.
+    pub(crate) per_cell: DVec3,
+    pub(crate) support_radius: f64,
+    pub(crate) exterior: Exterior,
+    pub(crate) quadrature: QuadratureSpec,
+    pub(crate) cells: CellIndex,
+    /// Distance and volume of each node.
+    pub(crate) fields: Pairs,
+    pub(crate) density: Option<DensityNodes>,
+}
+
+/// The density of a map.
+#[derive(Clone, Debug)]
+pub(crate) struct DensityNodes {
+    pub kernel: KernelKind,
+    pub numbers: Singles,
+}
+
+impl VolumeMap {
+    /// In how many dimensions the map is. In two, z plays no part: volumes are areas (m^2), their gradients are in m, and
+    /// directions lie in the plane.
+    pub fn dimension(&self) -> Dimension {
+        self.dimension
+    }
+
+    /// The lattice of cells; its box is the domain of the map. In two dimensions the cells are endless along z.
+    pub fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    /// Radius r of the balls whose solid part is the map's volume, metres: the support radius of the kernels that it was
+    /// baked for, or a quarter of it ([`ClosureKind::map_radius`](crate::ClosureKind::map_radius)).
+    pub fn support_radius(&self) -> f64 {
+        self.support_radius
+    }
+
+    /// What lies outside the domain.
+    pub fn exterior(&self) -> Exterior {
+        self.exterior
+    }
+
+    /// The rule that integrated the volume.
+    pub fn quadrature(&self) -> &QuadratureSpec {
+        &self.quadrature
+    }
+
+    /// The SPH kernel whose density the map holds; `None` if it holds none.
+    pub fn density_kernel(&self) -> Option<KernelKind> {
+        self.density.as_ref().map(|density| density.kernel)
+    }
+
+    /// Bytes that the map holds in memory.
+    pub fn memory_bytes(&self) -> usize {
+        let density = self.density.as_ref().map_or(0, |density| density.numbers.memory_bytes());
+        self.fields.memory_bytes() + density + self.cells.memory_bytes()
+    }
+}
