@@ -3,13 +3,15 @@
 pub mod batch;
 pub mod exchange;
 pub mod outline;
+pub mod parameters;
 pub mod report;
 pub mod reproduce;
 pub mod slice;
 
 use clap::{Args, Parser, Subcommand};
+use parameters::{All, ParameterArguments};
 use std::path::PathBuf;
-use volmap_bake::parameters::{ByteSize, Parameters};
+use volmap_bake::parameters::ByteSize;
 use volmap_bake::recipe::Recipe;
 
 /// Bakes triangle meshes into volume maps for SPH boundaries, and looks into them.
@@ -82,7 +84,7 @@ pub struct BakeArguments {
     pub output: Option<PathBuf>,
 
     #[command(flatten)]
-    pub parameters: Parameters,
+    pub parameters: ParameterArguments<All>,
 
     /// Refuse bakes that need more, as 4GiB or 500MB
     #[arg(long, value_name = "BYTES", default_value = "4GiB", help_heading = "Program")]
@@ -107,7 +109,7 @@ impl BakeArguments {
 
     /// How the mesh is read, baked and compressed.
     pub fn recipe(&self) -> Recipe {
-        let mut recipe = self.parameters.recipe();
+        let mut recipe = self.parameters.given.recipe();
         recipe.bake.map.max_memory = self.max_memory.0;
         recipe
     }

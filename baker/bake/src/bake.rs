@@ -1,35 +1,22 @@
 //! The whole bake: a mesh in, an asset out.
 
-use crate::density_map::{DensitySettings, compute_density};
+use crate::density_map::compute_density;
 use crate::describe;
 use crate::error::Error;
-use crate::input::{Input, Source, bounds};
+use crate::input::{Input, bounds};
 use crate::maps::{Maps, Stage, compute_maps};
-use crate::mesh::{Diagnosis, OrientationRepair, Prepared, prepare};
+use crate::mesh::{Prepared, prepare};
 use crate::plan::{Extent, GridChoice, Plan, Precision, Settings, plan};
 use crate::rows::positions;
 use crate::sdf::boundary_distance::BoundaryDistance;
-use crate::sdf::sign::SignChoice;
-use crate::sdf::{MeshDistance, SignComparison, SignMethod, compare_signs};
+use crate::sdf::{MeshDistance, compare_signs};
 use crate::tolerance::{Found, Problem, search};
 use crate::work::Work;
-use glam::DVec3;
 use std::time::Instant;
 use volmap_formats::asset::{Array, Asset, Dimension, QuadratureSpec, Rounded};
-use volmap_formats::mesh::{CleanReport, Placement};
 
-/// What a bake depends on beside the mesh.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct BakeSettings {
-    /// Grid, field and rule.
-    pub map: Settings,
-    /// How inside and outside are told apart.
-    pub sign: SignMethod,
-    /// Leave the triangles' orientation as it comes.
-    pub keep_orientation: bool,
-    /// Compare both signs at every node.
-    pub check_sign: bool,
-}
+pub use crate::recipe::BakeSettings;
+pub use crate::summary::{CellCounts, Rounding, Summary};
 
 /// A baked asset and what there is to say of it.
 #[derive(Clone, Debug)]
@@ -38,69 +25,6 @@ pub struct Bake {
     pub asset: Asset,
     /// What there is to say.
     pub summary: Summary,
-}
-
-/// What a person wants to know of a bake.
-#[derive(Clone, Debug)]
-pub struct Summary {
-    /// The mesh's file.
-    pub source: Source,
-    /// What cleaning did.
-    pub cleaning: CleanReport,
-    /// What was done to the file's coordinates.
-    pub placement: Placement,
-    /// Box of the placed mesh, metres.
-    pub bounds: [DVec3; 2],
-    /// What is wrong with the mesh, after the repair.
-    pub diagnosis: Diagnosis,
-    /// What orienting did.
-    pub repair: OrientationRepair,
-    /// The sign in use.
-    pub sign: SignChoice,
-    /// Where the two signs differ, if that was asked for.
-    pub sign_comparison: Option<SignComparison>,
-    /// The grid and the estimate of the cost.
-    pub plan: Plan,
-    /// Cells of the grid, of the band and beyond it in the solid.
-    pub cells: CellCounts,
-    /// Nodes of the band.
-    pub nodes: usize,
-    /// How the cells were found, if a tolerance was asked for.
-    pub tolerance: Option<Found>,
-    /// Bytes of all fields if every cell of the grid were stored, and for the band alone.
-    pub field_bytes: [u64; 2],
-    /// How the density was computed, if it was.
-    pub density: Option<DensitySettings>,
-    /// What storing the fields changed, if they were rounded to 16 bits.
-    pub rounding: Option<Rounding>,
-    /// Stages and their seconds, in order.
-    pub seconds: Vec<(&'static str, f64)>,
-    /// What a careful person would look at.
-    pub warnings: Vec<String>,
-}
-
-/// Cells by kind.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct CellCounts {
-    /// Of the whole grid.
-    pub grid: u64,
-    /// Stored.
-    pub band: u64,
-    /// Deeper in the solid than the band.
-    pub solid: u64,
-}
-
-/// How far the stored fields may be, and are, from what was computed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rounding {
-    /// The bound: part of r and of the full ball.
-    pub allowed: f64,
-    /// Largest change of a distance, part of r.
-    pub distance: f64,
-    /// Largest change of a volume, part of the full ball.
-    pub volume: f64,
-    /// Largest change of a density over rest density.
-    pub density: f64,
 }
 
 /// Steps of a bake, for progress.

@@ -1,16 +1,15 @@
 //! What a bake says of itself: the informative attributes of the asset, and warnings.
 //! Nothing here may depend on time or threads.
 
-use crate::bake::{BakeSettings, Summary};
 use crate::input::Input;
 use crate::maps::Maps;
-use crate::plan::{GridChoice, Precision};
+use crate::parameters::{self, Baked};
+use crate::recipe::BakeSettings;
 use crate::sdf::leaks::leaks;
+use crate::summary::Summary;
 use crate::tolerance::MeasuredError;
 use crate::volume_map::quadrature::Rule;
-use glam::DVec3;
 use volmap_formats::asset::{Attributes, Value};
-use volmap_formats::mesh::UpAxis;
 
 fn attributes<const N: usize>(pairs: [(&str, Value); N]) -> Attributes {
     pairs.map(|(name, value)| (name.to_owned(), value)).into()
@@ -20,62 +19,11 @@ fn count(n: usize) -> Value {
     Value::from(n as u64)
 }
 
-/// Effective value of every parameter, given or defaulted.
+/// Effective value of every parameter, given or defaulted, and the error that was measured for a tolerance.
 pub fn parameters(input: &Input, summary: &Summary, settings: &BakeSettings) -> Attributes {
-    let map = &settings.map;
-    let grid_choice = match map.grid {
-        GridChoice::FromRadius => "from support radius".to_owned(),
-        GridChoice::Resolution([x, y, z]) => format!("resolution {x},{y},{z}"),
-        GridChoice::CellSize(edge) => format!("cell size {edge}"),
-        GridChoice::Tolerance(part) => format!("tolerance {part}"),
-    };
-    let up_axis = match input.placement.up_axis {
-        UpAxis::X => "x",
-        UpAxis::Y => "y",
-        UpAxis::Z => "z",
-    };
-    let precision = match map.precision {
-        Precision::F32 => "f32",
-        Precision::F64 => "f64",
-        Precision::Rounded(_) => "i16",
-    };
-    let domain = |corners: [DVec3; 2]| Value::Real(corners.iter().flat_map(|c| c.to_array()).collect());
-    let grid = summary.plan.grid;
-    let mut out = attributes([
-        ("support_radius", summary.plan.support_radius.into()),
-        ("particle_radius", (summary.plan.support_radius / 4.0).into()),
-        ("band_width", summary.plan.band_width.into()),
-        ("grid", grid_choice.into()),
-        ("domain", domain([grid.origin, grid.max_corner()])),
-        ("domain_given", map.domain.is_some().into()),
-        ("padding", map.padding.into()),
-        ("invert", map.invert.into()),
-        ("thickness", map.thickness.into()),
-        ("quadrature", map.rule.to_string().into()),
-        ("precision", precision.into()),
-        ("sign", format!("{:?}", summary.sign.method).to_lowercase().into()),
-        ("sign_reason", summary.sign.reason.as_str().into()),
-        ("keep_orientation", settings.keep_orientation.into()),
-        ("unit", input.placement.unit.into()),
-        ("up_axis", up_axis.into()),
-        ("scale", input.placement.scale.into()),
-        ("rotation_axis", input.placement.rotation.axis.into()),
-        ("rotation_degrees", input.placement.rotation.degrees.into()),
-        ("translation", input.placement.translation.into()),
-        ("weld_tolerance", input.weld_tolerance.into()),
-    ]);
+    let mut out = parameters::describe(&Baked { input, settings, summary });
     if let Some(found) = &summary.tolerance {
-        out.insert("tolerance".into(), found.tolerance.into());
         out.extend(measured_error(&found.error, found.reference));
-    }
-    if let Some(density) = &map.density {
-        out.extend(attributes([
-            ("density_kernel", density.kernel.to_string().into()),
-            ("density_quadrature", density.rule.to_string().into()),
-        ]));
-    }
-    if let Some(rounding) = summary.rounding {
-        out.insert("max_rounding".into(), rounding.allowed.into());
     }
     out
 }

@@ -1,182 +1,509 @@
-//! The parameters of a bake that change its asset: one definition for the command line, for manifests and for the
-//! messages to workers. [`crate::recipe`] makes settings of them.
+//! The parameters of a bake, in one table. From a row follow the command line's option, the key in manifests and scenes, its
+//! schema and its checks, the settings, the content key, and what the asset says of it. A new parameter is one row, and the
+//! code that uses its setting.
 //!
-//! The comments of the fields are the help of `volmap bake` and the descriptions in a manifest's schema.
+//! - here: the table, and what is done with all of its rows;
+//! - [`row`]: what a row holds; [`range`] and [`check`]: what is refused;
+//! - [`value`]: the types of values, in [`choice`], [`number`], [`part`] and [`size`].
 
+mod attribute;
 pub mod check;
 pub mod choice;
 pub mod number;
 pub mod part;
+pub mod range;
+pub mod row;
 pub mod size;
-pub mod written;
+pub mod value;
+mod written;
 
+pub(crate) use attribute::{flag, real};
 pub use check::Mistake;
-pub use choice::{CompressionName, PrecisionName, Sign, Up};
+pub use choice::{CompressionName, PrecisionName, Up};
 pub use number::{Numbers, Resolution, Scale, Unit};
 pub use part::{Part, RoundingPart, Tolerance};
+pub use range::Range;
+pub use row::{Baked, Group, Parameter, Section};
 pub use size::ByteSize;
+pub use value::{DensityKernel, ParameterValue};
 
-use crate::density_map::parse_kernel;
+use crate::density_map::DensitySettings;
+use crate::input::InputSettings;
+use crate::plan::{GridChoice, Precision};
+use crate::recipe::Recipe;
+use crate::sdf::SignMethod;
 use crate::volume_map::quadrature::Rule;
-use clap::{ArgGroup, Args};
-use schemars::JsonSchema;
+use attribute::{reals, text};
+use row::parameters;
+use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
-use volmap_runtime::KernelKind;
-use written::{Written, displayed, written};
+use std::collections::BTreeMap;
+use std::fmt::Debug;
+use volmap_formats::asset::{Attributes, Compression, Value};
+use volmap_formats::mesh::{Rotation, UpAxis};
 
-/// Every parameter that changes an asset; what isn't given has its default.
-#[derive(Clone, Debug, Default, PartialEq, Args, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default, expecting = "give a table with options of `volmap bake`")]
-#[command(group(ArgGroup::new("radius").args(["support_radius", "particle_radius"])))]
-#[command(group(ArgGroup::new("cells").args(["resolution", "cell_size", "tolerance"])))]
-#[command(allow_negative_numbers = true)]
-pub struct Parameters {
-    /// Support radius r of the kernels, metres [default: 1/20 of the mesh's diagonal, rounded]
-    #[arg(long, value_name = "LENGTH", help_heading = "Map")]
-    pub support_radius: Option<f64>,
-    /// Radius of the fluid's particles, metres; r is four of it
-    #[arg(long, value_name = "LENGTH", help_heading = "Map")]
-    pub particle_radius: Option<f64>,
-    /// Cells along each axis: N, or NX,NY,NZ
-    #[arg(long, value_name = "N", help_heading = "Map")]
-    #[serde(deserialize_with = "written")]
-    #[schemars(with = "Option<Written>")]
-    pub resolution: Option<Resolution>,
-    /// Edge of the cubic cells, metres [default: r / 2]
-    #[arg(long, value_name = "LENGTH", help_heading = "Map")]
-    pub cell_size: Option<f64>,
-    /// Largest error of the volume, as a part of the full ball (1% or 0.01): finds the
-    /// largest cells of those it tries that keep it at 1,000 points of the fluid
-    #[arg(long, value_name = "PART", help_heading = "Map")]
-    #[serde(deserialize_with = "written")]
-    #[schemars(with = "Option<Written>")]
-    pub tolerance: Option<Tolerance>,
-    /// xmin,ymin,zmin,xmax,ymax,zmax, metres [default: all within 2 r of the surface]
-    #[arg(long, value_name = "BOX", allow_hyphen_values = true, help_heading = "Map")]
-    #[serde(deserialize_with = "written")]
-    #[schemars(with = "Option<Written>")]
-    pub domain: Option<Numbers<6>>,
-    /// Length added to the domain on every side, metres [default: 0]
-    #[arg(long, value_name = "LENGTH", help_heading = "Map")]
-    pub padding: Option<f64>,
-    /// The mesh is a container: the solid is outside
-    #[arg(long, value_name = "BOOL", num_args = 0..=1, default_missing_value = "true", require_equals = true, hide_possible_values = true, help_heading = "Map")]
-    pub invert: Option<bool>,
-    /// Move the surface out of the solid by this, metres [default: 0]
-    #[arg(long, value_name = "LENGTH", help_heading = "Map")]
-    pub thickness: Option<f64>,
-    /// Rule of the volume's integral: chordN, ballN, or glP of order P (gl30 is the paper's) [default: chord8]
-    #[arg(long, value_name = "RULE", help_heading = "Map")]
-    #[serde(serialize_with = "displayed", deserialize_with = "written")]
-    #[schemars(with = "Option<String>")]
-    pub quadrature: Option<Rule>,
+parameters! {
+    /// Support radius r of the SPH kernels
+    support_radius: f64 {
+        apply: |recipe, radius| recipe.bake.map.support_radius = Some(radius),
+        unit: "metres",
+        default: "1/20 of the diagonal, rounded",
+        placeholder: "LENGTH",
+        example: "0.1",
+        range: Range::PositiveLength,
+        group: Some(Group::Radius),
+        key: |recipe| Some(or_auto(recipe.bake.map.support_radius)),
+        describe: |baked| {
+            let plan = &baked.summary.plan;
+            let mut out =
+                vec![("support_radius", plan.support_radius.into()), ("band_width", plan.band_width.into())];
+            if baked.settings.map.grid == GridChoice::FromRadius {
+                out.push(("grid", "from support radius".into()));
+            }
+            out
+        },
+    }
+
+    /// Radius of the fluid's particles; the support radius is four times this
+    particle_radius: f64 {
+        apply: |recipe, radius| recipe.bake.map.support_radius = Some(4.0 * radius),
+        unit: "metres",
+        placeholder: "LENGTH",
+        example: "0.02",
+        range: Range::PositiveLength,
+        group: Some(Group::Radius),
+        describe: |baked| vec![("particle_radius", (baked.summary.plan.support_radius / 4.0).into())],
+    }
+
+    /// Number of cells along each axis: N, or NX,NY,NZ
+    resolution: Resolution {
+        apply: |recipe, cells| recipe.bake.map.grid = GridChoice::Resolution(cells.0),
+        placeholder: "N",
+        example: "40,30,20",
+        group: Some(Group::Cells),
+        key: |recipe| Some(match recipe.bake.map.grid {
+            GridChoice::Resolution(cells) => format!("{cells:?}"),
+            _ => "auto".into(),
+        }),
+        describe: |baked| match baked.settings.map.grid {
+            GridChoice::Resolution([x, y, z]) => vec![("grid", format!("resolution {x},{y},{z}").into())],
+            _ => Vec::new(),
+        },
+    }
+
+    /// Edge length of the cells, which are cubes
+    cell_size: f64 {
+        apply: |recipe, edge| recipe.bake.map.grid = GridChoice::CellSize(edge),
+        unit: "metres",
+        default: "half the support radius",
+        placeholder: "LENGTH",
+        example: "0.03",
+        range: Range::PositiveLength,
+        group: Some(Group::Cells),
+        key: |recipe| Some(match recipe.bake.map.grid {
+            GridChoice::CellSize(edge) => format!("{edge:?}"),
+            _ => "auto".into(),
+        }),
+        describe: |baked| match baked.settings.map.grid {
+            GridChoice::CellSize(edge) => vec![("grid", format!("cell size {edge}").into())],
+            _ => Vec::new(),
+        },
+    }
+
+    /// Choose the coarsest grid whose volume error, measured at 1,000 points, stays below this
+    /// fraction of the full ball: 1% or 0.01
+    tolerance: Tolerance {
+        apply: |recipe, part| recipe.bake.map.grid = GridChoice::Tolerance(part.0),
+        placeholder: "FRACTION",
+        example: "2%",
+        group: Some(Group::Cells),
+        key: |recipe| Some(match recipe.bake.map.grid {
+            GridChoice::Tolerance(part) => format!("{part:?}"),
+            _ => "auto".into(),
+        }),
+        describe: |baked| match baked.settings.map.grid {
+            GridChoice::Tolerance(part) => {
+                vec![("grid", format!("tolerance {part}").into()), ("tolerance", part.into())]
+            }
+            _ => Vec::new(),
+        },
+    }
+
+    /// Box of the map: xmin,ymin,zmin,xmax,ymax,zmax
+    domain: Numbers<6> {
+        apply: |recipe, corners| {
+            let [a, b, c, d, e, f] = corners.0;
+            recipe.bake.map.domain = Some([[a, b, c], [d, e, f]]);
+        },
+        unit: "metres",
+        default: "all within two support radii of the surface",
+        placeholder: "BOX",
+        example: "0,0,0,1,2,3",
+        range: Range::Box,
+        key: |recipe| Some(or_auto(recipe.bake.map.domain)),
+        describe: |baked| {
+            let grid = baked.summary.plan.grid;
+            let corners = [grid.origin, grid.max_corner()];
+            let corners = corners.iter().flat_map(|corner| corner.to_array()).collect();
+            vec![
+                ("domain", Value::Real(corners)),
+                ("domain_given", baked.settings.map.domain.is_some().into()),
+            ]
+        },
+    }
+
+    /// Enlarge the domain by this on every side
+    padding: f64 {
+        apply: |recipe, length| recipe.bake.map.padding = length,
+        unit: "metres",
+        default: "0",
+        placeholder: "LENGTH",
+        example: "0.5",
+        range: Range::LengthFromZero,
+        key: |recipe| Some(format!("{:?}", recipe.bake.map.padding)),
+        describe: |baked| vec![("padding", baked.settings.map.padding.into())],
+    }
+
+    /// Swap inside and outside: for containers, whose fluid is inside
+    invert: bool {
+        apply: |recipe, invert| recipe.bake.map.invert = invert,
+        placeholder: "BOOL",
+        example: "true",
+        key: |recipe| Some(recipe.bake.map.invert.to_string()),
+        describe: |baked| vec![("invert", baked.settings.map.invert.into())],
+    }
+
+    /// Thicken the solid by this much; a negative length makes it thinner
+    thickness: f64 {
+        apply: |recipe, length| recipe.bake.map.thickness = length,
+        unit: "metres",
+        default: "0",
+        placeholder: "LENGTH",
+        example: "-0.1",
+        range: Range::Length,
+        key: |recipe| Some(format!("{:?}", recipe.bake.map.thickness)),
+        describe: |baked| vec![("thickness", baked.settings.map.thickness.into())],
+    }
+
+    /// Quadrature of the volume: chordN, ballN, or glP of order P (gl30 is the paper's)
+    quadrature: Rule {
+        apply: |recipe, rule| recipe.bake.map.rule = rule,
+        default: "chord8",
+        placeholder: "RULE",
+        example: "gl30",
+        key: |recipe| Some(recipe.bake.map.rule.to_string()),
+        describe: |baked| vec![("quadrature", baked.settings.map.rule.to_string().into())],
+    }
+
     /// Bake the density map too (Koschier and Bender 2017): boundary density over rest density, for one SPH kernel
-    #[arg(long, value_name = "BOOL", num_args = 0..=1, default_missing_value = "true", require_equals = true, hide_possible_values = true, help_heading = "Map")]
-    pub density: Option<bool>,
-    /// SPH kernel of the density map: cubic_spline, or wendland_c2 [default: cubic_spline]
-    #[arg(long, value_name = "KERNEL", value_parser = parse_kernel, requires = "density", help_heading = "Map")]
-    #[serde(serialize_with = "displayed", deserialize_with = "written")]
-    #[schemars(with = "Option<String>")]
-    pub kernel: Option<KernelKind>,
-    /// Rule of the density's integral, as --quadrature (gl50 is the paper's) [default: gl50]
-    #[arg(long, value_name = "RULE", requires = "density", help_heading = "Map")]
-    #[serde(serialize_with = "displayed", deserialize_with = "written")]
-    #[schemars(with = "Option<String>")]
-    pub density_quadrature: Option<Rule>,
+    density: bool {
+        apply: |recipe, density| recipe.bake.map.density = density.then(DensitySettings::default),
+        placeholder: "BOOL",
+        example: "true",
+        key: |recipe| Some(recipe.bake.map.density.is_some().to_string()),
+    }
 
-    /// How inside and outside are told apart [default: auto]
-    #[arg(long, value_enum, help_heading = "Mesh")]
-    pub sign: Option<Sign>,
-    /// Compare both signs at every node and report where they differ
-    #[arg(long, value_name = "BOOL", num_args = 0..=1, default_missing_value = "true", require_equals = true, hide_possible_values = true, help_heading = "Mesh")]
-    pub check_sign: Option<bool>,
-    /// Don't turn triangles that run the wrong way round
-    #[arg(long, value_name = "BOOL", num_args = 0..=1, default_missing_value = "true", require_equals = true, hide_possible_values = true, help_heading = "Mesh")]
-    pub keep_orientation: Option<bool>,
-    /// Unit of the file's lengths: m, cm, mm, in, ft, or metres as a number [default: the file's, or m]
-    #[arg(long, value_name = "UNIT", help_heading = "Mesh")]
-    #[serde(deserialize_with = "written")]
-    #[schemars(with = "Option<Written>")]
-    pub unit: Option<Unit>,
-    /// Axis of the file that becomes +y [default: y]
-    #[arg(long, value_enum, value_name = "AXIS", help_heading = "Mesh")]
-    pub up: Option<Up>,
-    /// Scale: S, or SX,SY,SZ
-    #[arg(long, value_name = "S", allow_hyphen_values = true, help_heading = "Mesh")]
-    #[serde(deserialize_with = "written")]
-    #[schemars(with = "Option<Written>")]
-    pub scale: Option<Scale>,
-    /// Rotation after scaling: AX,AY,AZ,DEGREES
-    #[arg(long, value_name = "ROTATION", allow_hyphen_values = true, help_heading = "Mesh")]
-    #[serde(deserialize_with = "written")]
-    #[schemars(with = "Option<Written>")]
-    pub rotate: Option<Numbers<4>>,
-    /// Translation after rotating: X,Y,Z, metres
-    #[arg(long, value_name = "VECTOR", allow_hyphen_values = true, help_heading = "Mesh")]
-    #[serde(deserialize_with = "written")]
-    #[schemars(with = "Option<Written>")]
-    pub translate: Option<Numbers<3>>,
-    /// Make vertices this close one, in the file's unit [default: 0]
-    #[arg(long, value_name = "LENGTH", help_heading = "Mesh")]
-    pub weld: Option<f64>,
+    /// SPH kernel of the density map: cubic_spline or wendland_c2
+    kernel: DensityKernel {
+        apply: |recipe, kernel| if let Some(density) = &mut recipe.bake.map.density {
+            density.kernel = kernel.0;
+        },
+        default: "cubic_spline",
+        placeholder: "KERNEL",
+        example: "wendland_c2",
+        needs: Some("density"),
+        key: |recipe| Some(recipe.bake.map.density.map_or("none".into(), |density| density.kernel.to_string())),
+        describe: |baked| {
+            let kernel = baked.settings.map.density.map(|density| density.kernel.to_string().into());
+            kernel.map(|name| ("density_kernel", name)).into_iter().collect()
+        },
+    }
 
-    /// Precision of the stored fields [default: f32]
-    #[arg(long, value_enum, help_heading = "File")]
-    pub precision: Option<PrecisionName>,
-    /// Store 16-bit numbers: at the nodes no distance changes by more than this part of r, no volume by more than this
-    /// part of the ball, no density by more than this part of rest density (0.01%, or 1e-4); between them by up to 5.75 times as much. Half as large, loaded too
-    #[arg(long, value_name = "PART", conflicts_with = "precision", help_heading = "File")]
-    #[serde(deserialize_with = "written")]
-    #[schemars(with = "Option<Written>")]
-    pub max_rounding: Option<RoundingPart>,
-    /// Compression: zstd, or gzip for readers without plugins [default: zstd]
-    #[arg(long, value_enum, help_heading = "File")]
-    pub compression: Option<CompressionName>,
+    /// Quadrature of the density, written as the volume's (gl50 is the paper's)
+    density_quadrature: Rule {
+        apply: |recipe, rule| if let Some(density) = &mut recipe.bake.map.density {
+            density.rule = rule;
+        },
+        default: "gl50",
+        placeholder: "RULE",
+        example: "gl30",
+        needs: Some("density"),
+        key: |recipe| Some(recipe.bake.map.density.map_or("none".into(), |density| density.rule.to_string())),
+        describe: |baked| {
+            let rule = baked.settings.map.density.map(|density| density.rule.to_string().into());
+            rule.map(|name| ("density_quadrature", name)).into_iter().collect()
+        },
+    }
+
+    /// How inside and outside are told apart
+    sign: SignMethod {
+        apply: |recipe, sign| recipe.bake.sign = sign,
+        default: "auto",
+        placeholder: "SIGN",
+        example: "winding",
+        section: Section::Mesh,
+        key: |recipe| Some(lower_case(recipe.bake.sign)),
+        describe: |baked| {
+            let sign = &baked.summary.sign;
+            vec![("sign", lower_case(sign.method).into()), ("sign_reason", sign.reason.as_str().into())]
+        },
+    }
+
+    /// Compute the sign by both methods at every node, and report where they differ
+    check_sign: bool {
+        apply: |recipe, check| recipe.bake.check_sign = check,
+        placeholder: "BOOL",
+        example: "true",
+        section: Section::Mesh,
+        key: |recipe| Some(recipe.bake.check_sign.to_string()),
+    }
+
+    /// Don't flip inconsistently oriented triangles
+    keep_orientation: bool {
+        apply: |recipe, keep| recipe.bake.keep_orientation = keep,
+        placeholder: "BOOL",
+        example: "true",
+        section: Section::Mesh,
+        key: |recipe| Some(recipe.bake.keep_orientation.to_string()),
+        describe: |baked| vec![("keep_orientation", baked.settings.keep_orientation.into())],
+    }
+
+    /// Unit of the file's lengths: m, cm, mm, in, ft, or a number of metres
+    unit: Unit {
+        apply: |recipe, unit| recipe.input.unit = Some(unit.0),
+        default: "the file's, or m",
+        placeholder: "UNIT",
+        example: "mm",
+        section: Section::Mesh,
+        key: |recipe| Some(or_auto(recipe.input.unit)),
+        describe: |baked| vec![("unit", baked.input.placement.unit.into())],
+        restore: |bake, input| {
+            input.unit = real(bake, "unit")?.filter(|unit| !unit.is_nan());
+            Ok(())
+        },
+    }
+
+    /// Axis of the file that points up, and becomes +y
+    up: Up {
+        apply: |recipe, up| recipe.input.placement.up_axis = up.into(),
+        default: "y",
+        placeholder: "AXIS",
+        example: "z",
+        section: Section::Mesh,
+        key: |recipe| Some(lower_case(recipe.input.placement.up_axis)),
+        describe: |baked| vec![("up_axis", lower_case(baked.input.placement.up_axis).into())],
+        restore: |bake, input| {
+            if let Some(name) = text(bake, "up_axis")? {
+                input.placement.up_axis = name.parse::<Up>().map(UpAxis::from).map_err(|_| "up_axis")?;
+            }
+            Ok(())
+        },
+    }
+
+    /// Scale the mesh: S, or SX,SY,SZ
+    scale: Scale {
+        apply: |recipe, scale| recipe.input.placement.scale = scale.0,
+        placeholder: "S",
+        example: "1,2,3",
+        section: Section::Mesh,
+        range: Range::NotZero,
+        key: |recipe| Some(format!("{:?}", recipe.input.placement.scale)),
+        describe: |baked| vec![("scale", baked.input.placement.scale.into())],
+        restore: |bake, input| restored(&mut input.placement.scale, reals(bake, "scale")),
+    }
+
+    /// Rotate the mesh, after scaling: AX,AY,AZ,DEGREES
+    rotate: Numbers<4> {
+        apply: |recipe, rotation| {
+            let [x, y, z, degrees] = rotation.0;
+            recipe.input.placement.rotation = Rotation { axis: [x, y, z], degrees };
+        },
+        placeholder: "ROTATION",
+        example: "1,0,0,90",
+        section: Section::Mesh,
+        key: |recipe| {
+            let Rotation { axis, degrees } = recipe.input.placement.rotation;
+            Some(format!("{axis:?} {degrees:?}"))
+        },
+        describe: |baked| {
+            let Rotation { axis, degrees } = baked.input.placement.rotation;
+            vec![("rotation_axis", axis.into()), ("rotation_degrees", degrees.into())]
+        },
+        restore: |bake, input| {
+            let rotation = &mut input.placement.rotation;
+            restored(&mut rotation.axis, reals(bake, "rotation_axis"))?;
+            restored(&mut rotation.degrees, real(bake, "rotation_degrees"))
+        },
+    }
+
+    /// Move the mesh, after rotating: X,Y,Z
+    translate: Numbers<3> {
+        apply: |recipe, translation| recipe.input.placement.translation = translation.0,
+        unit: "metres",
+        placeholder: "VECTOR",
+        example: "0.1,0.2,0.3",
+        section: Section::Mesh,
+        key: |recipe| Some(format!("{:?}", recipe.input.placement.translation)),
+        describe: |baked| vec![("translation", baked.input.placement.translation.into())],
+        restore: |bake, input| restored(&mut input.placement.translation, reals(bake, "translation")),
+    }
+
+    /// Merge vertices closer than this
+    weld: f64 {
+        apply: |recipe, length| recipe.input.weld_tolerance = length,
+        unit: "in the file's unit",
+        default: "0",
+        placeholder: "LENGTH",
+        example: "1e-3",
+        section: Section::Mesh,
+        range: Range::LengthFromZero,
+        key: |recipe| Some(format!("{:?}", recipe.input.weld_tolerance)),
+        describe: |baked| vec![("weld_tolerance", baked.input.weld_tolerance.into())],
+        restore: |bake, input| restored(&mut input.weld_tolerance, real(bake, "weld_tolerance")),
+    }
+
+    /// Precision of the stored fields
+    precision: PrecisionName {
+        apply: |recipe, name| recipe.bake.map.precision = match name {
+            PrecisionName::F32 => Precision::F32,
+            PrecisionName::F64 => Precision::F64,
+        },
+        default: "f32",
+        placeholder: "PRECISION",
+        example: "f64",
+        section: Section::File,
+        group: Some(Group::Precision),
+        key: |recipe| Some(precision_name(recipe.bake.map.precision).into()),
+        describe: |baked| vec![("precision", precision_name(baked.settings.map.precision).into())],
+    }
+
+    /// Store 16-bit numbers, which halve the asset. At the nodes no distance changes by more than this fraction of the
+    /// support radius, no volume by more than this fraction of the ball, no density by more than this fraction of
+    /// rest density (0.01% or 1e-4); between the nodes by up to 5.75 times as much
+    max_rounding: RoundingPart {
+        apply: |recipe, part| {
+            recipe.bake.map.precision = Precision::Rounded(part.0);
+            recipe.compression = ZSTD_OF_ROUNDED;
+        },
+        placeholder: "FRACTION",
+        example: "0.01%",
+        section: Section::File,
+        group: Some(Group::Precision),
+        key: |recipe| Some(match recipe.bake.map.precision {
+            Precision::Rounded(part) => format!("{part:?}"),
+            _ => "none".into(),
+        }),
+        describe: |baked| {
+            let rounding = baked.summary.rounding.map(|rounding| rounding.allowed.into());
+            rounding.map(|allowed| ("max_rounding", allowed)).into_iter().collect()
+        },
+    }
+
+    /// Compression of the file: zstd, or gzip, which every HDF5 library reads without a plugin
+    compression: CompressionName {
+        apply: |recipe, name| recipe.compression = match (name, recipe.bake.map.precision) {
+            (CompressionName::Zstd, Precision::Rounded(_)) => ZSTD_OF_ROUNDED,
+            (name, _) => name.into(),
+        },
+        default: "zstd",
+        placeholder: "COMPRESSION",
+        example: "gzip",
+        section: Section::File,
+        key: |recipe| Some(lower_case(recipe.compression)),
+    }
 }
+
+/// Numbers of 16 bits gain 5 % from a higher level, others less than 1 %.
+const ZSTD_OF_ROUNDED: Compression = Compression::Zstd(5);
 
 impl Parameters {
     /// What is given here, else what `base` gives. Of parameters that exclude each other, one given here drops the
     /// base's others.
     pub fn over(&self, base: &Parameters) -> Parameters {
-        let (radius, cells, precision) = (self.gives_radius(), self.gives_cells(), self.gives_precision());
-        Parameters {
-            support_radius: self.support_radius.or(base.support_radius.filter(|_| !radius)),
-            particle_radius: self.particle_radius.or(base.particle_radius.filter(|_| !radius)),
-            resolution: self.resolution.or(base.resolution.filter(|_| !cells)),
-            cell_size: self.cell_size.or(base.cell_size.filter(|_| !cells)),
-            tolerance: self.tolerance.or(base.tolerance.filter(|_| !cells)),
-            domain: self.domain.or(base.domain),
-            padding: self.padding.or(base.padding),
-            invert: self.invert.or(base.invert),
-            thickness: self.thickness.or(base.thickness),
-            quadrature: self.quadrature.or(base.quadrature),
-            density: self.density.or(base.density),
-            kernel: self.kernel.or(base.kernel),
-            density_quadrature: self.density_quadrature.or(base.density_quadrature),
-            sign: self.sign.or(base.sign),
-            check_sign: self.check_sign.or(base.check_sign),
-            keep_orientation: self.keep_orientation.or(base.keep_orientation),
-            unit: self.unit.or(base.unit),
-            up: self.up.or(base.up),
-            scale: self.scale.or(base.scale),
-            rotate: self.rotate.or(base.rotate),
-            translate: self.translate.or(base.translate),
-            weld: self.weld.or(base.weld),
-            precision: self.precision.or(base.precision.filter(|_| !precision)),
-            max_rounding: self.max_rounding.or(base.max_rounding.filter(|_| !precision)),
-            compression: self.compression.or(base.compression),
+        let mut out = self.clone();
+        for row in base.given() {
+            let excludes = |other: &Parameter| {
+                other.name == row.name || row.group.is_some_and(|g| other.group == Some(g))
+            };
+            if !self.given().any(excludes) {
+                (row.copy)(base, &mut out);
+            }
         }
+        out
     }
 
-    fn gives_radius(&self) -> bool {
-        self.support_radius.is_some() || self.particle_radius.is_some()
-    }
-
-    fn gives_cells(&self) -> bool {
-        self.resolution.is_some() || self.cell_size.is_some() || self.tolerance.is_some()
-    }
-
-    fn gives_precision(&self) -> bool {
-        self.precision.is_some() || self.max_rounding.is_some()
+    /// The settings that follow from the parameters. The limit on memory is the default: it doesn't change an asset. Of
+    /// parameters that exclude each other, which [`Parameters::check`] refuses, the last in the table holds.
+    pub fn recipe(&self) -> Recipe {
+        let mut recipe = Recipe::default();
+        self.given().for_each(|row| (row.apply)(self, &mut recipe));
+        recipe
     }
 }
+
+impl Recipe {
+    /// Every parameter by name, given or by default, as a text that differs whenever the value does: what a content key is
+    /// made of. `auto` is what the mesh decides; a particle radius stands as the support radius.
+    pub fn effective(&self) -> BTreeMap<String, String> {
+        let mut out: BTreeMap<String, String> =
+            TABLE.iter().filter_map(|row| Some((row.name.to_owned(), (row.key)(self)?))).collect();
+        // No parameter: simulations choose it.
+        let extension =
+            self.bake.map.density.map_or("none".into(), |density| format!("{:?}", density.extension));
+        out.insert("density_extension".into(), extension);
+        out
+    }
+}
+
+/// What an asset says of its parameters.
+pub fn describe(baked: &Baked) -> Attributes {
+    let all = TABLE.iter().flat_map(|row| (row.describe)(baked));
+    all.map(|(name, value)| (name.to_owned(), value)).collect()
+}
+
+/// How an asset says that its mesh was placed; the default for what it doesn't say.
+///
+/// # Errors
+/// The attribute that no bake writes like this.
+pub(crate) fn restore(bake: &Attributes) -> Result<InputSettings, &'static str> {
+    let mut out = InputSettings::default();
+    TABLE.iter().try_for_each(|row| (row.restore)(bake, &mut out))?;
+    Ok(out)
+}
+
+fn restored<T>(place: &mut T, found: Result<Option<T>, &'static str>) -> Result<(), &'static str> {
+    if let Some(value) = found? {
+        *place = value;
+    }
+    Ok(())
+}
+
+/// Gives the keys of a schema the descriptions of the rows.
+fn describe_schema(schema: &mut Schema) {
+    let properties = schema.get_mut("properties").and_then(|properties| properties.as_object_mut());
+    let Some(properties) = properties else { return };
+    for row in TABLE {
+        if let Some(key) = properties.get_mut(row.name).and_then(|key| key.as_object_mut()) {
+            key.insert("description".into(), row.description().into());
+        }
+    }
+}
+
+fn or_auto(value: Option<impl Debug>) -> String {
+    value.map_or("auto".into(), |value| format!("{value:?}"))
+}
+
+fn lower_case(value: impl Debug) -> String {
+    format!("{value:?}").to_lowercase()
+}
+
+fn precision_name(precision: Precision) -> &'static str {
+    match precision {
+        Precision::F32 => "f32",
+        Precision::F64 => "f64",
+        Precision::Rounded(_) => "i16",
+    }
+}
+
+#[cfg(test)]
+mod tests;

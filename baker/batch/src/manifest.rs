@@ -10,7 +10,6 @@ use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::Value;
 use std::fmt;
 use std::path::Path;
-use volmap_bake::parameters::written::{Written, written};
 use volmap_bake::parameters::{ByteSize, Parameters, Part};
 use volmap_documents::{At, Checked, Kind, Syntax};
 
@@ -72,12 +71,8 @@ pub struct Rules {
 #[serde(deny_unknown_fields, default, expecting = "give a table")]
 pub struct Gates {
     /// Largest error of the volume in the fluid, as a part of the full ball (1% or 0.01).
-    #[serde(deserialize_with = "written")]
-    #[schemars(with = "Option<Written>")]
     pub max_error: Option<Part>,
     /// Largest size of the asset's file, bytes, or as 2MB or 500kB.
-    #[serde(deserialize_with = "written")]
-    #[schemars(with = "Option<Written>")]
     pub max_bytes: Option<ByteSize>,
     /// The mesh must have no hole. Default: false.
     pub must_be_closed: Option<bool>,

@@ -1,9 +1,10 @@
 //! Arguments of `volmap batch` and `volmap verify`.
 
+use super::parameters::{All, ParameterArguments};
 use super::threads;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
-use volmap_bake::parameters::{ByteSize, Parameters};
+use volmap_bake::parameters::ByteSize;
 use volmap_batch::shard;
 use volmap_batch::summary::Shard;
 
@@ -73,7 +74,7 @@ pub struct BatchArguments {
     pub quiet: bool,
 
     #[command(flatten)]
-    pub parameters: Parameters,
+    pub parameters: ParameterArguments<All>,
 }
 
 /// Form of what is printed.

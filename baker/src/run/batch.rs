@@ -104,7 +104,7 @@ fn read(arguments: &BatchArguments) -> Result<(Option<PathBuf>, Manifest, PathBu
     };
     match arguments.inputs.as_slice() {
         [input] if is_manifest(input) => {
-            if arguments.parameters != Parameters::default() {
+            if arguments.parameters.given != Parameters::default() {
                 bail!(
                     "{input}: parameters of the map, mesh and file stand in the manifest, under [defaults] bake"
                 );
@@ -122,7 +122,7 @@ fn read(arguments: &BatchArguments) -> Result<(Option<PathBuf>, Manifest, PathBu
             }
             Ok((
                 None,
-                manifest::from_patterns(inputs, arguments.name.as_deref(), &arguments.parameters),
+                manifest::from_patterns(inputs, arguments.name.as_deref(), &arguments.parameters.given),
                 PathBuf::new(),
             ))
         }

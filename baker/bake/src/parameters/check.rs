@@ -1,7 +1,7 @@
-//! What can't be said in one table of parameters; on the command line clap says it.
+//! What parameters may be, alone and together.
 
-use super::Parameters;
-use crate::density_map::parse_kernel;
+use super::row::{Group, Parameter};
+use super::{Parameters, TABLE};
 
 /// A parameter that can't be used.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -12,88 +12,37 @@ pub struct Mistake {
     pub reason: String,
 }
 
-/// Lengths beyond this are mistakes, metres.
-const MAX_LENGTH: f64 = 1e12;
-
 impl Parameters {
     /// Whether what is given here goes together, and each for itself can be used with some mesh.
     ///
     /// # Errors
     /// The first mistake.
     pub fn check(&self) -> Result<(), Mistake> {
-        self.check_groups()?;
-        self.check_density()?;
-        for (key, value) in self.lengths() {
-            let Some(value) = value else { continue };
-            let reason = match key {
-                _ if !(-MAX_LENGTH..=MAX_LENGTH).contains(&value) => {
-                    format!("{value} is not a usable length")
-                }
-                "support_radius" | "particle_radius" | "cell_size" if value <= 0.0 => {
-                    format!("{value} is not positive")
-                }
-                "padding" | "weld" if value < 0.0 => format!("{value} is negative"),
-                _ => continue,
-            };
-            return Err(Mistake { key, reason });
-        }
-        self.check_domain()
-    }
-
-    /// Lengths by key.
-    fn lengths(&self) -> [(&'static str, Option<f64>); 6] {
-        [
-            ("support_radius", self.support_radius),
-            ("particle_radius", self.particle_radius),
-            ("cell_size", self.cell_size),
-            ("padding", self.padding),
-            ("thickness", self.thickness),
-            ("weld", self.weld),
-        ]
-    }
-
-    fn check_groups(&self) -> Result<(), Mistake> {
-        let radius = [
-            ("support_radius", self.support_radius.is_some()),
-            ("particle_radius", self.particle_radius.is_some()),
-        ];
-        let cells = [
-            ("resolution", self.resolution.is_some()),
-            ("cell_size", self.cell_size.is_some()),
-            ("tolerance", self.tolerance.is_some()),
-        ];
-        let precision =
-            [("precision", self.precision.is_some()), ("max_rounding", self.max_rounding.is_some())];
-        let groups: [&[(&'static str, bool)]; 3] = [&radius, &cells, &precision];
-        for group in groups {
-            let given: Vec<_> = group.iter().filter(|(_, given)| *given).map(|(key, _)| *key).collect();
-            if let [first, second, ..] = given[..] {
-                let reason = format!("can't be used with `{first}`; give one of them");
-                return Err(Mistake { key: second, reason });
+        for group in Group::ALL {
+            let mut given = self.given().filter(|row| row.group == Some(group));
+            if let (Some(first), Some(second)) = (given.next(), given.next()) {
+                let reason = format!("can't be used with `{}`; give one of them", first.name);
+                return Err(Mistake { key: second.name, reason });
             }
+        }
+        for row in self.given() {
+            let key = row.name;
+            if let Some(flag) = row.needs.filter(|flag| self.denies(flag)) {
+                let reason = format!("has no effect with {flag} = false; leave one of them out");
+                return Err(Mistake { key, reason });
+            }
+            row.range.check(&(row.numbers)(self)).map_err(|reason| Mistake { key, reason })?;
         }
         Ok(())
     }
 
-    fn check_density(&self) -> Result<(), Mistake> {
-        if let Some(Err(reason)) = self.kernel.map(|kernel| parse_kernel(kernel.name())) {
-            return Err(Mistake { key: "kernel", reason });
-        }
-        let key = match self {
-            _ if self.density != Some(false) => return Ok(()),
-            Parameters { kernel: Some(_), .. } => "kernel",
-            Parameters { density_quadrature: Some(_), .. } => "density_quadrature",
-            _ => return Ok(()),
-        };
-        Err(Mistake { key, reason: "has no effect with density = false; leave one of them out".into() })
+    /// The rows of what is given.
+    pub fn given(&self) -> impl Iterator<Item = &'static Parameter> {
+        TABLE.iter().filter(|row| (row.is_given)(self))
     }
 
-    fn check_domain(&self) -> Result<(), Mistake> {
-        let is_box = |corners: [f64; 6]| (0..3).all(|axis| corners[axis] < corners[axis + 3]);
-        if self.domain.is_none_or(|domain| is_box(domain.0)) {
-            return Ok(());
-        }
-        let reason = "is not a box; give xmin, ymin, zmin, xmax, ymax, zmax".into();
-        Err(Mistake { key: "domain", reason })
+    /// Whether a flag is given as false.
+    fn denies(&self, flag: &str) -> bool {
+        TABLE.iter().any(|row| row.name == flag && (row.flag)(self) == Some(false))
     }
 }

@@ -1,26 +1,16 @@
 //! Parameters that are one of a few words.
 
-use clap::ValueEnum;
+use super::value::ParameterValue;
+use crate::sdf::SignMethod;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::str::FromStr;
+use volmap_formats::asset::Compression;
+use volmap_formats::mesh::UpAxis;
 
-// The variants have no comments: clap would make a list of them in the help.
-
-/// How inside and outside are told apart.
+/// The axis of a mesh file that points up, by name.
 #[allow(missing_docs)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-#[schemars(inline)]
-pub enum Sign {
-    #[default]
-    Auto,
-    Pseudonormal,
-    Winding,
-}
-
-/// An axis that points up.
-#[allow(missing_docs)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 #[schemars(inline)]
 pub enum Up {
@@ -30,9 +20,9 @@ pub enum Up {
     Z,
 }
 
-/// Precision of stored fields.
+/// Precision of the stored fields, by name.
 #[allow(missing_docs)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 #[schemars(inline)]
 pub enum PrecisionName {
@@ -41,13 +31,81 @@ pub enum PrecisionName {
     F64,
 }
 
-/// How datasets are compressed.
+/// How datasets are compressed, by name.
 #[allow(missing_docs)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 #[schemars(inline)]
 pub enum CompressionName {
     #[default]
     Zstd,
     Gzip,
+}
+
+/// The words of an enumeration, for texts; serde has the same words by its own attributes.
+macro_rules! words {
+    ($($type:ident { $($word:literal => $variant:ident),+ })+) => { $(
+        impl ParameterValue for $type {
+            const WORDS: &'static [&'static str] = &[$($word),+];
+        }
+
+        impl FromStr for $type {
+            type Err = String;
+
+            fn from_str(text: &str) -> Result<$type, String> {
+                match text {
+                    $($word => Ok($type::$variant),)+
+                    _ => Err(format!("give one of: {}", $type::WORDS.join(", "))),
+                }
+            }
+        }
+    )+ };
+}
+
+words! {
+    SignMethod { "auto" => Auto, "pseudonormal" => Pseudonormal, "winding" => Winding }
+    Up { "x" => X, "y" => Y, "z" => Z }
+    PrecisionName { "f32" => F32, "f64" => F64 }
+    CompressionName { "zstd" => Zstd, "gzip" => Gzip }
+}
+
+impl From<Up> for UpAxis {
+    fn from(up: Up) -> UpAxis {
+        match up {
+            Up::X => UpAxis::X,
+            Up::Y => UpAxis::Y,
+            Up::Z => UpAxis::Z,
+        }
+    }
+}
+
+impl From<CompressionName> for Compression {
+    fn from(name: CompressionName) -> Compression {
+        match name {
+            CompressionName::Zstd => Compression::default(),
+            CompressionName::Gzip => Compression::Gzip(6),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn same_in_texts_and_documents<T: ParameterValue>() {
+        for word in T::WORDS {
+            let read = word.parse::<T>().map_err(|error| error.to_string()).unwrap();
+            assert_eq!(serde_json::to_value(read).unwrap(), *word);
+            assert_eq!(serde_json::from_value::<T>((*word).into()).unwrap(), read);
+        }
+        assert!("none of them".parse::<T>().is_err());
+    }
+
+    #[test]
+    fn words_are_the_same_everywhere() {
+        same_in_texts_and_documents::<SignMethod>();
+        same_in_texts_and_documents::<Up>();
+        same_in_texts_and_documents::<PrecisionName>();
+        same_in_texts_and_documents::<CompressionName>();
+    }
 }

@@ -1,16 +1,19 @@
-//! Values of a file, written as on the command line or as numbers.
+//! Values of a document, written as on the command line or as numbers.
 
-use schemars::JsonSchema;
+use super::number::{Numbers, Resolution, Scale, Unit};
+use super::part::{Part, RoundingPart, Tolerance};
+use super::size::ByteSize;
+use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::Error as _;
-use serde::{Deserialize, Deserializer, Serializer};
+use serde::{Deserialize, Deserializer};
+use std::borrow::Cow;
 use std::fmt::Display;
 use std::str::FromStr;
 
 /// A number, several, or a text as on the command line.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(untagged, expecting = "give a number, a list of numbers, or a text as on the command line")]
-#[schemars(inline)]
-pub enum Written {
+enum Written {
     /// As 0.01.
     Number(f64),
     /// As [40, 30, 20].
@@ -33,27 +36,38 @@ impl Display for Written {
 }
 
 /// Reads a value as the command line does: one reader, one set of errors.
-///
-/// # Errors
-/// What the value's own reader says, in the command line's words.
-pub fn written<'de, T, D>(deserializer: D) -> Result<Option<T>, D::Error>
+pub(super) fn deserialize<'de, T, D>(deserializer: D) -> Result<T, D::Error>
 where
     T: FromStr<Err: Display>,
     D: Deserializer<'de>,
 {
-    let Some(written) = Option::<Written>::deserialize(deserializer)? else { return Ok(None) };
-    let text = written.to_string();
-    let value = text.parse().map_err(|error| D::Error::custom(format!("invalid value `{text}`: {error}")))?;
-    Ok(Some(value))
+    let text = Written::deserialize(deserializer)?.to_string();
+    text.parse().map_err(|error| D::Error::custom(format!("invalid value `{text}`: {error}")))
 }
 
-/// Writes a value as its text.
-///
-/// # Errors
-/// The serializer's.
-pub fn displayed<T: Display, S: Serializer>(value: &Option<T>, serializer: S) -> Result<S::Ok, S::Error> {
-    match value {
-        Some(value) => serializer.collect_str(value),
-        None => serializer.serialize_none(),
-    }
+macro_rules! as_written {
+    ($([$($generic:tt)*] $type:ty),+) => { $(
+        impl<'de, $($generic)*> Deserialize<'de> for $type {
+            fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                deserialize(deserializer)
+            }
+        }
+
+        impl<$($generic)*> JsonSchema for $type {
+            fn inline_schema() -> bool {
+                true
+            }
+
+            fn schema_name() -> Cow<'static, str> {
+                "Written".into()
+            }
+
+            fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+                Written::json_schema(generator)
+            }
+        }
+    )+ };
 }
+
+as_written!([] Resolution, [] Scale, [] Unit, [const N: usize] Numbers<N>);
+as_written!([] Part, [] Tolerance, [] RoundingPart, [] ByteSize);

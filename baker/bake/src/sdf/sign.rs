@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 use rayon::prelude::*;
-use serde::Serialize;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use crate::mesh::diagnosis::Diagnosis;
 use crate::mesh::parts::Bounds;
@@ -12,8 +13,9 @@ use crate::sdf::mesh_distance::MeshDistance;
 const MAX_WORST: usize = 8;
 
 /// How inside and outside are told apart.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
+#[schemars(inline)]
 pub enum SignMethod {
     /// What `choose_sign` finds best.
     #[default]
