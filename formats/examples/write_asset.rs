@@ -4,16 +4,21 @@
 //! cargo run --release -p volmap-formats --example write_asset -- two_cells.h5
 //! ```
 //!
-//! `SPEC.md` says what the numbers mean; a bake computes them.
+//! `SPEC.md` says what the numbers mean. A bake computes them.
 
 use std::error::Error;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use volmap_formats::asset::{
-    self, Array, Asset, AssetError, Attributes, CellRun, Compression, Dimension, Exterior, GridSpec,
-    QuadratureSpec,
+    self, Array, Asset, Attributes, CellRun, Compression, Dimension, Exterior, GridSpec, QuadratureSpec,
 };
 
-/// Two cells beside each other share the nodes between them: 32 + 20 (SPEC.md, section 5).
+fn main() -> Result<(), Box<dyn Error>> {
+    let file = std::env::args_os().nth(1).map(PathBuf::from);
+    println!("{}", write_and_read(&file.ok_or("name the file to write")?)?);
+    Ok(())
+}
+
+/// Two cells beside each other: 32 nodes each, 12 of them shared (`SPEC.md`, section 5).
 const NODES: usize = 52;
 
 fn two_cells() -> Asset {
@@ -25,7 +30,7 @@ fn two_cells() -> Asset {
         quadrature: QuadratureSpec { name: "gl30".into(), degree: 30, points: 2000, ball_volume: 0.0654 },
         band_cells: vec![CellRun { i: 0, j: 0, k: 0, len: 2 }],
         solid_cells: Vec::new(),
-        // Far from any surface: 0.3 m outside of it, where no solid is within the ball.
+        // All nodes are 0.3 m outside of the solid: none of it is within the support radius.
         signed_distance: Array::F32(vec![0.3; NODES]),
         volume: Array::F32(vec![0.0; NODES]),
         density: None,
@@ -35,27 +40,21 @@ fn two_cells() -> Asset {
     }
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let path = PathBuf::from(std::env::args_os().nth(1).ok_or("name the file to write")?);
+/// Writes the map, and says what it finds when it reads the file.
+pub fn write_and_read(file: &Path) -> Result<String, Box<dyn Error>> {
     let made = two_cells();
-    asset::write(&path, &made, Compression::default())?;
-    let read = asset::read(&path)?;
+    asset::write(file, &made, Compression::default())?;
+    let read = asset::read(file)?;
     assert_eq!(read, made);
-    println!(
-        "{} nodes in {} runs of cells, format version {}",
-        read.volume.len(),
-        read.band_cells.len(),
-        read.format_version()
-    );
+    let mut text = format!("format version {}, {} nodes\n", read.format_version(), read.volume.len());
 
-    // Every byte is covered by a checksum: a damaged file is an error, never another number.
-    let mut bytes = std::fs::read(&path)?;
+    // Checksums cover the content: a damaged file is an error, never another number.
+    let mut bytes = std::fs::read(file)?;
     let middle = bytes.len() / 2;
     bytes[middle] ^= 1;
     match asset::from_bytes(bytes) {
-        Ok(same) => assert_eq!(same, made, "a bit that means nothing"),
-        Err(AssetError::Io(error)) => return Err(error.into()),
-        Err(error) => println!("with a bit changed: {error}"),
+        Ok(same) => assert_eq!(same, made, "the bit has no meaning"),
+        Err(error) => text += &format!("with a bit changed: {error}\n"),
     }
-    Ok(())
+    Ok(text)
 }
