@@ -1,6 +1,7 @@
 //! What can be wrong with an asset. As with all errors of this crate, the text is complete in itself (file, reason,
 //! cure), and `source()` returns only what the text doesn't say.
 
+use crate::text::quoted;
 use std::path::{Path, PathBuf};
 
 /// Why an asset can't be read or written.
@@ -62,7 +63,5 @@ impl AssetError {
 
 /// Text from a file as it may stand in a message: nothing that a terminal would obey, not without end.
 pub(super) fn printable(text: &str) -> String {
-    const LONGEST: usize = 200;
-    let safe = |c: char| if c.is_control() { '\u{FFFD}' } else { c };
-    text.chars().take(LONGEST).map(safe).collect()
+    quoted(text, 200)
 }

@@ -2,6 +2,7 @@
 
 use super::error::MeshError;
 use super::raw::MAX_COORDINATE;
+use crate::text::quoted;
 
 /// A place in a text: words are separated by blanks and line ends (`\n`, `\r\n` or `\r`).
 #[derive(Clone)]
@@ -128,7 +129,7 @@ pub fn not_a_number(word: &[u8], what: &str) -> String {
 /// A word of a file, for a message: short, printable.
 pub fn show(word: &[u8]) -> String {
     let text = String::from_utf8_lossy(&word[..word.len().min(40)]);
-    let text: String = text.chars().map(|c| if c.is_control() { '?' } else { c }).collect();
+    let text = quoted(&text, 40);
     if word.len() > 40 { text + "..." } else { text }
 }
 
