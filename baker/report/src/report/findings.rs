@@ -4,13 +4,14 @@ use super::reference::{FINE_RULE, PAPER_RULE, Reference};
 use super::slices::ErrorSlice;
 use super::statistics::{DistanceBin, HistogramBar, Measurement, Statistics, by_distance, histogram};
 use super::thin::{self, Thin, Width};
-use super::volume_error::{Part, VolumeSample};
-use super::{Measured, Settings, Surface};
+use super::volume_error::{ErrorPart, VolumeSample};
+use super::{Measured, ReportSettings, Surface};
 use crate::info;
 use glam::DVec3;
 use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::{Map, Value as Json};
+use volmap_formats::text::{number, percent, thousands};
 
 /// Ranges of distance, from 2 r deep to 2 r outside.
 const BINS: usize = 32;
@@ -168,7 +169,7 @@ pub struct VolumeErrors {
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct PartErrors {
     /// Which.
-    pub part: Part,
+    pub part: ErrorPart,
     /// In words.
     pub description: String,
     /// As parts of the full ball, in the whole band.
@@ -220,7 +221,7 @@ pub struct ThinPlaces {
     pub points: usize,
     /// Longest edge of the cells, metres.
     pub cell: f64,
-    /// Part of the surface by kind.
+    /// ErrorPart of the surface by kind.
     pub kinds: Vec<ThinKind>,
     /// Thinnest walls.
     pub walls: Vec<Width>,
@@ -228,14 +229,14 @@ pub struct ThinPlaces {
     pub gaps: Vec<Width>,
 }
 
-/// Part of the surface of one kind.
+/// ErrorPart of the surface of one kind.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct ThinKind {
     /// Which.
     pub kind: Thin,
     /// In words.
     pub description: String,
-    /// Part of the surface, 0 to 1.
+    /// ErrorPart of the surface, 0 to 1.
     pub part: f64,
 }
 
@@ -276,7 +277,7 @@ fn against(samples: &[VolumeSample], reference: Reference) -> Vec<Measurement> {
 }
 
 /// Sums up what was measured.
-pub fn findings(measured: &Measured, settings: &Settings, slices: &[ErrorSlice]) -> Findings {
+pub fn findings(measured: &Measured, settings: &ReportSettings, slices: &[ErrorSlice]) -> Findings {
     let (ball, radius) = (measured.model.ball, measured.model.radius);
     let reference = best_reference(&measured.volumes);
     let best = against(&measured.volumes, reference);
@@ -321,24 +322,23 @@ fn verdict(best: &[Measurement], reference: Reference, allowed: Option<f64>, bal
     let passed = allowed.map(|allowed| fluid.count > 0 && fluid.max <= allowed);
     let place = match fluid.worst {
         Some(worst) => {
-            let [x, y, z] = worst.point;
-            format!(", at ({x:.4}, {y:.4}, {z:.4})")
+            format!(", at ({}) m", worst.point.map(number).join(", "))
         }
         None => ": no point of the band lies in the fluid".into(),
     };
     let limit = match (passed, allowed) {
-        (Some(true), Some(allowed)) => format!("; {} % are allowed: passed", 100.0 * allowed),
-        (Some(false), Some(allowed)) => format!("; {} % are allowed: FAILED", 100.0 * allowed),
+        (Some(true), Some(allowed)) => format!("; the limit is {}: passed", percent(allowed)),
+        (Some(false), Some(allowed)) => format!("; the limit is {}: FAILED", percent(allowed)),
         _ => String::new(),
     };
     let text = format!(
-        "The largest error of the volume in the fluid is {:.3} % of the full ball ({:.3e} m³){place}{limit}. Against {}, \
-         at {} points; with 95 % confidence at most {:.2} % of the fluid near the surface has a larger one.",
-        100.0 * fluid.max,
-        fluid.max * ball,
+        "The largest error of the volume in the fluid is {} of the full ball ({} m³){place}{limit}. Against {}, at {} \
+         points; with 95 % confidence at most {} of the fluid near the surface has a larger one.",
+        percent(fluid.max),
+        number(fluid.max * ball),
         reference.describe(),
-        fluid.count,
-        100.0 * fluid.beyond_max,
+        thousands(fluid.count as u64),
+        percent(fluid.beyond_max),
     );
     Verdict { passed, max_error: fluid.max, allowed, reference, text }
 }
@@ -382,7 +382,7 @@ fn volume_errors(samples: &[VolumeSample], ball: f64) -> Vec<VolumeErrors> {
 }
 
 fn part_errors(samples: &[VolumeSample], ball: f64) -> Vec<PartErrors> {
-    let errors = |part: Part| {
+    let errors = |part: ErrorPart| {
         let measurement = |sample: &VolumeSample| {
             let error = part.of(sample.parts.as_ref()?)?;
             let VolumeSample { point, distance, .. } = *sample;
@@ -392,7 +392,7 @@ fn part_errors(samples: &[VolumeSample], ball: f64) -> Vec<PartErrors> {
         let fraction = Statistics::of(all.iter(), ball);
         (fraction.count > 0).then(|| PartErrors { part, description: part.describe().into(), fraction })
     };
-    Part::ALL.into_iter().filter_map(errors).collect()
+    ErrorPart::ALL.into_iter().filter_map(errors).collect()
 }
 
 fn density_errors(measured: &Measured, surface: &Surface) -> Option<DensityErrors> {
