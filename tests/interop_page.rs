@@ -79,6 +79,7 @@ fn page() -> Page {
         title: format!("Report of {NASTY}"),
         subtitle: "a page of the tests".into(),
         verdict: Verdict {
+            headline: String::new(),
             outcome: Outcome::Fail,
             text: "The largest error is above the limit.".into(),
             figures: vec![

@@ -30,7 +30,7 @@ pub enum Command {
     BakeOutline(Box<outline::OutlineArguments>),
     /// Bake many meshes into a folder of assets: only what changed, on all cores or several machines
     Batch(Box<batch::BatchArguments>),
-    /// Check a folder of assets against its manifest, without baking: keys, checksums, gates
+    /// Check whether the assets in a folder are up to date with their meshes: keys, checksums, gates
     Verify(batch::VerifyArguments),
     /// Show what stands in an asset
     Info {
@@ -51,7 +51,7 @@ pub enum Command {
         #[arg(long)]
         json: bool,
     },
-    /// Measure how exact an asset is: a page with errors, their causes, and pictures
+    /// Measure an asset's accuracy; writes an HTML report
     Report(Box<report::ReportArguments>),
     /// Draw a map on a plane
     Slice(slice::SliceArguments),
@@ -59,7 +59,7 @@ pub enum Command {
     Export(exchange::ExportArguments),
     /// Make an asset of a map of SPlisHSPlasH
     Import(exchange::ImportArguments),
-    /// Repeat the experiments of Bender et al. 2020 and compare the figures; some three minutes
+    /// Reproduce the experiments of Bender et al. 2020 (about 3 minutes)
     Reproduce(reproduce::ReproduceArguments),
     /// Print completions for a shell
     Completions {

@@ -13,6 +13,7 @@ use std::io;
 use std::path::Path;
 use std::process::ExitCode;
 use volmap_batch::process::WORKER;
+use volmap_formats::text::printable;
 
 fn main() -> ExitCode {
     match start() {
@@ -69,7 +70,7 @@ fn message(error: &anyhow::Error) -> String {
         }
     }
     // Names of files may hold what a terminal would obey.
-    out.replace(|c: char| c.is_control() && c != '\n', "\u{FFFD}")
+    printable(&out)
 }
 
 fn is_broken_pipe(error: &anyhow::Error) -> bool {

@@ -7,8 +7,8 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 use volmap_bake::bake::Step;
 use volmap_bake::plan::Plan;
-use volmap_bake::summary::{bytes, thousands};
 use volmap_bake::work::Work;
+use volmap_formats::text::{bytes, thousands};
 use volmap_report::report;
 use volmap_report::reproduce;
 

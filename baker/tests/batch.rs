@@ -144,7 +144,7 @@ fn only_what_changed_is_made() {
     let (_, text) = place.batch("out", &["--explain"]);
     assert!(text.contains("the mesh has changed"), "{text}");
     assert!(text.contains("its file is damaged"), "{text}");
-    assert!(text.contains("mesh, parameters and program are the same"), "{text}");
+    assert!(text.contains("up to date: same mesh, parameters and program"), "{text}");
     let outcomes = place.outcomes("out");
     assert_eq!([&outcomes["a"], &outcomes["b"], &outcomes["c"]], ["built", "built", "unchanged"]);
     let second = place.assets("out");
@@ -163,7 +163,7 @@ fn only_what_changed_is_made() {
     std::fs::rename(place.at("meshes/c.obj"), place.at("meshes/d.obj")).unwrap();
     let (_, text) = place.batch("out", &[]);
     assert_eq!(place.asset("out", "d")["outcome"], "reused", "{text}");
-    assert!(place.summary("out")["notes"].to_string().contains("c: the manifest has it no more"));
+    assert!(place.summary("out")["notes"].to_string().contains("c: no longer in the manifest"));
     place.batch("fresh", &[]);
     assert_eq!(place.assets("fresh")[Path::new("d.h5")], place.assets("out")[Path::new("d.h5")]);
     place.batch("out", &["--prune"]);
@@ -249,7 +249,7 @@ fn gates_hold_assets_back() {
     assert!(after.contains_key(Path::new("rejected/a.h5")));
     // It isn't baked again to be refused again, nor to be taken when its gates are wider.
     place.batch("out", &[]);
-    assert_eq!(place.asset("out", "a")["reason"], "mesh, parameters and program are the same");
+    assert_eq!(place.asset("out", "a")["reason"], "up to date: same mesh, parameters and program");
     place.write("assets.toml", &format!("version = 1\n{SOME}"));
     let (code, text) = place.batch("out", &[]);
     assert_eq!((code, &*place.outcomes("out")["a"]), (Some(0), "reused"), "{text}");
@@ -454,7 +454,7 @@ fn verify_finds_what_is_not_as_it_should_be() {
     let lines: Vec<&str> = text.lines().collect();
     assert!(lines[0] == "a: the mesh has changed", "{text}");
     assert!(lines[1].starts_with("b: its file is damaged"), "{text}");
-    assert_eq!(lines[2], "c: its file is missing");
+    assert_eq!(lines[2], "c: file missing");
     assert_eq!(lines[3], "1 of 4 assets are good");
     assert!(!place.at("out/c.h5").exists(), "nothing is baked");
     let (_, json) = verify(&["--json"]);
@@ -466,14 +466,14 @@ fn checks_estimate_and_make_nothing() {
     let place = Place::new(&[("a", 1.0), ("b", 1.5)], SOME);
     let (code, text) = place.batch("out", &["--check"]);
     assert_eq!(code, Some(0), "{text}");
-    assert!(text.contains("a: it is new") && text.contains("2 to make, 0 stay"), "{text}");
+    assert!(text.contains("would bake     a (new)") && text.contains("2 to bake, 0 up to date"), "{text}");
     assert!(!place.at("out").exists());
     place.batch("out", &[]);
     let (_, text) = place.batch("out", &["--check"]);
-    assert!(text.contains("0 to make, 2 stay"), "{text}");
+    assert!(text.contains("0 to bake, 2 up to date"), "{text}");
     place.write("meshes/c.obj", "f 1 2 3\n");
     let (code, text) = place.batch("out", &["--check"]);
-    assert!(code == Some(1) && text.contains("can't be made  c:"), "{text}");
+    assert!(code == Some(1) && text.contains("cannot bake    c:"), "{text}");
     let (_, text) = place.batch("out", &["--check", "--log", "json"]);
     let found: Value = serde_json::from_str(&text).unwrap();
     assert_eq!(

@@ -5,12 +5,12 @@ pub mod lattice;
 mod tetrahedra;
 
 use crate::error::Error;
-use crate::summary::thousands;
 use lattice::{Lattice, LatticeChoice};
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::fmt;
 use tetrahedra::{Edge, triangles};
+use volmap_formats::text::thousands;
 use volmap_runtime::{DVec3, Values, VolumeMap};
 
 /// Steps in a cell: the element has its nodes at thirds.

@@ -6,10 +6,11 @@ use crate::mesh::{Diagnosis, OrientationRepair};
 use crate::plan::Plan;
 use crate::sdf::SignComparison;
 use crate::sdf::sign::SignChoice;
-use crate::tolerance::{Found, percent as part};
+use crate::tolerance::Found;
 use glam::DVec3;
 use std::fmt::{self, Display, Formatter};
 use volmap_formats::mesh::{CleanReport, Placement};
+use volmap_formats::text::{bytes, number, percent, significant, thousands};
 
 /// What a person wants to know of a bake.
 #[derive(Clone, Debug)]
@@ -79,16 +80,12 @@ impl Display for Summary {
         let (found, [min, max]) = (&self.diagnosis, self.bounds);
         writeln!(f, "mesh       {}: {}", self.source.file, self.faces())?;
         writeln!(f, "           {}", self.state())?;
-        let decimals = decimals((max - min).max_element());
-        writeln!(
-            f,
-            "           box {min:.decimals$} to {max:.decimals$} m, area {} m^2",
-            digits(found.area)
-        )?;
+        let corner = |corner: DVec3| triple(corner.to_array());
+        writeln!(f, "           box {} to {} m, area {} m^2", corner(min), corner(max), digits(found.area))?;
         if let Some(placed) = self.placed() {
             writeln!(f, "placed     {placed}")?;
         }
-        self.rims(f)?;
+        self.holes(f)?;
         writeln!(f, "sign       {}", self.sign.reason)?;
         let grid = self.plan.grid;
         let n = grid.resolution;
@@ -104,10 +101,10 @@ impl Display for Summary {
         let CellCounts { grid: all, band, .. } = self.cells;
         writeln!(
             f,
-            "cells      {} of {} kept ({:.1} %)",
+            "cells      {} of {} kept ({})",
             thousands(band),
             thousands(all),
-            percent(band, all)
+            percent(band as f64 / all as f64)
         )?;
         if let Some(found) = &self.tolerance {
             writeln!(f, "tolerance  {}", found_cells(found))?;
@@ -120,20 +117,21 @@ impl Display for Summary {
         }
         if let Some(rounding) = self.rounding {
             let [allowed, distance, volume] =
-                [rounding.allowed, rounding.distance, rounding.volume].map(|part| digits(100.0 * part));
+                [rounding.allowed, rounding.distance, rounding.volume].map(percent);
             writeln!(
                 f,
-                "rounding   16 bits, at the nodes at most {allowed} % of r and of the ball; the worst is {distance} % and {volume} %"
+                "rounding   16 bits, at the nodes at most {allowed} of r and of the ball; the worst is {distance} and \
+                 {volume}"
             )?;
             if self.density.is_some() {
-                let worst = digits(100.0 * rounding.density);
-                writeln!(f, "           and at most {allowed} % of rest density; the worst is {worst} %")?;
+                let worst = percent(rounding.density);
+                writeln!(f, "           and at most {allowed} of rest density; the worst is {worst}")?;
             }
         }
         let stages: Vec<String> =
-            self.seconds.iter().map(|(name, seconds)| format!("{name} {seconds:.2}")).collect();
+            self.seconds.iter().map(|(name, seconds)| format!("{name} {}", number(*seconds))).collect();
         let total: f64 = self.seconds.iter().map(|(_, seconds)| seconds).sum();
-        write!(f, "time       {total:.2} s: {}", stages.join(", "))?;
+        write!(f, "time       {} s: {}", number(total), stages.join(", "))?;
         for warning in &self.warnings {
             write!(f, "\nwarning    {warning}")?;
         }
@@ -141,8 +139,8 @@ impl Display for Summary {
     }
 }
 
-/// Rims of holes that are listed.
-const MAX_RIMS: usize = 6;
+/// Holes that are listed.
+const MAX_HOLES: usize = 6;
 
 impl Summary {
     /// What was done to the file's coordinates, in the order in which it was done.
@@ -168,18 +166,17 @@ impl Summary {
         (!steps.is_empty()).then(|| steps.join(", then "))
     }
 
-    fn rims(&self, f: &mut Formatter) -> fmt::Result {
+    fn holes(&self, f: &mut Formatter) -> fmt::Result {
         let found = &self.diagnosis;
-        for rim in found.boundary_loops.iter().take(MAX_RIMS) {
-            let [x, y, z] = rim.centroid.map(digits);
+        for rim in found.boundary_loops.iter().take(MAX_HOLES) {
+            let (length, centre) = (digits(rim.length), triple(rim.centroid));
             writeln!(
                 f,
-                "rim        {} edges, {} m long, around ({x}, {y}, {z})",
-                rim.edges,
-                digits(rim.length)
+                "hole       {} edges, {length} m long, around {centre} m",
+                thousands(rim.edges as u64)
             )?;
         }
-        match found.boundary_loop_count.saturating_sub(MAX_RIMS) {
+        match found.boundary_loop_count.saturating_sub(MAX_HOLES) {
             0 => Ok(()),
             more => writeln!(f, "           and {more} shorter"),
         }
@@ -232,14 +229,14 @@ impl Summary {
 /// What the search for the tolerance found.
 fn found_cells(found: &Found) -> String {
     let tried: Vec<String> =
-        found.tried.iter().map(|(cell, max)| format!("{} m: {}", digits(*cell), part(*max))).collect();
+        found.tried.iter().map(|(cell, max)| format!("{} m: {}", digits(*cell), percent(*max))).collect();
     format!(
         "{} of the ball: largest error {} at {} points of the fluid, rms {}, against {} on the exact distance\n           \
          tried {}",
-        part(found.tolerance),
-        part(found.error.max),
+        percent(found.tolerance),
+        percent(found.error.max),
         thousands(found.error.points as u64),
-        part(found.error.rms),
+        percent(found.error.rms),
         found.reference,
         tried.join(", ")
     )
@@ -252,41 +249,11 @@ fn edges([x, y, z]: [f64; 3]) -> String {
     }
 }
 
-/// A number with 4 decimals, or more where it has fewer than 4 digits in them, so that small objects don't read as 0.
+fn triple(x: [f64; 3]) -> String {
+    format!("({})", x.map(digits).join(", "))
+}
+
+/// Lengths, areas and volumes with four digits.
 fn digits(x: f64) -> String {
-    format!("{x:.0$}", decimals(x))
-}
-
-fn decimals(size: f64) -> usize {
-    match size.abs() {
-        x if x > 0.0 && x.is_finite() => (3 - x.log10().floor() as i64).clamp(4, 30) as usize,
-        _ => 4,
-    }
-}
-
-fn percent(part: u64, whole: u64) -> f64 {
-    100.0 * part as f64 / whole as f64
-}
-
-/// 1234567 as 1,234,567.
-pub fn thousands(n: u64) -> String {
-    let digits = n.to_string();
-    let mut out = String::new();
-    for (at, digit) in digits.chars().enumerate() {
-        if at > 0 && (digits.len() - at).is_multiple_of(3) {
-            out.push(',');
-        }
-        out.push(digit);
-    }
-    out
-}
-
-/// A size in the unit that suits it.
-pub fn bytes(n: u64) -> String {
-    match n {
-        0..10_000 => format!("{n} B"),
-        10_000..10_000_000 => format!("{:.1} kB", n as f64 / 1e3),
-        10_000_000..10_000_000_000 => format!("{:.1} MB", n as f64 / 1e6),
-        _ => format!("{:.1} GB", n as f64 / 1e9),
-    }
+    significant(x, 4)
 }

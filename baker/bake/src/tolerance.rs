@@ -17,6 +17,7 @@ use rayon::prelude::*;
 use std::f64::consts::PI;
 use volmap_formats::asset::{Exterior, Rounded};
 use volmap_formats::mesh::TriangleMesh;
+use volmap_formats::text::percent;
 use volmap_runtime::layout::serendipity::shape;
 use volmap_runtime::layout::{Cell, CellIndex};
 
@@ -161,11 +162,6 @@ fn out_of_reach(error: Error, tolerance: f64, tried: &[(f64, f64)]) -> Error {
         percent(*max)
     );
     Error::setting("--tolerance", reason)
-}
-
-/// A part of the ball, for people.
-pub fn percent(part: f64) -> String {
-    format!("{:.2} %", 100.0 * part)
 }
 
 /// Points and the volume there, on the exact distance.

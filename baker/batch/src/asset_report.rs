@@ -85,7 +85,7 @@ pub fn kept(item: &BatchItem, found: &Kept, record: Option<&AssetReport>) -> Ass
     // Times are those of the same file.
     let record = record.filter(|record| record.file_blake3.as_ref() == Some(&found.file_blake3));
     AssetReport {
-        reason: "mesh, parameters and program are the same".into(),
+        reason: "up to date: same mesh, parameters and program".into(),
         failed_gates: found.failed_gates.clone(),
         estimated_seconds: record.and_then(|record| record.estimated_seconds),
         seconds: record.and_then(|record| record.seconds),

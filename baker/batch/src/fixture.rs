@@ -15,7 +15,7 @@ pub fn asset(position: usize, name: &str) -> AssetReport {
         output: format!("{name}.h5"),
         tags: vec!["props".into()],
         outcome: Outcome::Built,
-        reason: "it is new".into(),
+        reason: "new".into(),
         error: None,
         failed_gates: Vec::new(),
         identity: None,

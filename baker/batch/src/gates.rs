@@ -2,8 +2,7 @@
 
 use super::manifest::Gates;
 use super::summary::Figures;
-use volmap_bake::summary::bytes;
-use volmap_bake::tolerance::percent;
+use volmap_formats::text::{bytes, percent};
 
 /// The gates that an asset doesn't pass, in words.
 pub fn failed(gates: &Gates, figures: &Figures, file_bytes: u64) -> Vec<String> {

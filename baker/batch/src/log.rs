@@ -4,19 +4,24 @@ use super::summary::{AssetReport, Counts, Outcome, Summary};
 use serde::Serialize;
 use serde_json::json;
 use std::path::Path;
-use volmap_bake::summary::bytes;
-use volmap_figures::picture::scale::number;
+use volmap_formats::text::{bytes, duration, number, percent, printable_line};
 
-/// One line of what came of an asset.
+/// An asset and its outcome in a line.
 pub fn line(asset: &AssetReport) -> String {
     let mut facts: Vec<String> = asset.bytes.map(bytes).into_iter().collect();
     let error = asset.figures.as_ref().and_then(|figures| figures.volume_error_max);
-    facts.extend(error.map(|error| format!("error {} % of the ball", number(100.0 * error))));
+    facts.extend(error.map(|error| format!("error {} of the ball", percent(error))));
     // Of what wasn't baked, the time is that of another day.
     let baked = !matches!(asset.outcome, Outcome::Unchanged | Outcome::NotTried);
     facts.extend(asset.seconds.filter(|_| baked).map(|seconds| format!("{} s", number(seconds))));
-    facts.push(why(asset));
-    plain(&format!("{:<10} {}: {}", asset.outcome.name(), asset.name, facts.join(", ")))
+    let is_bad = asset.error.is_some() || !asset.failed_gates.is_empty();
+    let why = if is_bad { why(asset) } else { format!("({})", asset.reason) };
+    let said = match (facts.is_empty(), is_bad) {
+        (true, _) => why,
+        (false, true) => format!("{}; {why}", facts.join(", ")),
+        (false, false) => format!("{} {why}", facts.join(", ")),
+    };
+    printable_line(&format!("{:<10} {}: {said}", asset.outcome.name(), asset.name))
 }
 
 /// The error, the gates or the reason: the first that there is.
@@ -59,7 +64,7 @@ pub fn closing(summary: &Summary, folder: &Path) -> String {
     if bad.len() > REPEATED {
         lines.push(format!("{:<10} and {} more, see summary.html", "", bad.len() - REPEATED));
     }
-    lines.extend(summary.notes.iter().map(|note| plain(&format!("note       {note}"))));
+    lines.extend(summary.notes.iter().map(|note| printable_line(&format!("note       {note}"))));
     let stopped = if summary.interrupted { "; stopped before its end" } else { "" };
     lines.push(match summary.assets.len() {
         0 => "assets     none".into(),
@@ -67,12 +72,13 @@ pub fn closing(summary: &Summary, folder: &Path) -> String {
     });
     let jobs = counted_as(summary.jobs, "job", "jobs");
     let threads = counted_as(summary.threads, "thread", "threads");
-    lines.push(format!("time       {} s, {jobs} on {threads}", number(summary.seconds)));
-    lines.push(plain(&format!("written    {}", folder.display())));
+    lines.push(format!("time       {}, {jobs} on {threads}", duration(summary.seconds)));
+    lines.push(printable_line(&format!("written    {}", folder.display())));
     lines.join("\n")
 }
 
-fn counted_as(n: usize, one: &str, many: &str) -> String {
+/// `1 job`, `2 jobs`.
+pub fn counted_as(n: usize, one: &str, many: &str) -> String {
     format!("{n} {}", if n == 1 { one } else { many })
 }
 
@@ -80,16 +86,6 @@ fn counted_as(n: usize, one: &str, many: &str) -> String {
 pub fn counted(counts: &Counts) -> String {
     let some = counts.by_outcome().into_iter().filter(|(_, count)| *count > 0);
     some.map(|(outcome, count)| format!("{count} {}", outcome.name())).collect::<Vec<_>>().join(", ")
-}
-
-/// Text in one line, without what a terminal would obey.
-fn plain(text: &str) -> String {
-    let seen = |c: char| match c {
-        '\n' | '\t' => ' ',
-        c if c.is_control() || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}') => '\u{fffd}',
-        c => c,
-    };
-    text.chars().map(seen).collect()
 }
 
 #[cfg(test)]
@@ -101,13 +97,13 @@ mod tests {
     fn a_line_says_what_came_of_an_asset() {
         let lines: Vec<String> = mixed().assets.iter().map(line).collect();
         let expected = [
-            "built      props/trees/oak: 45.6 kB, error 0.42 % of the ball, 1.25 s, it is new",
-            "reused     duck: 45.6 kB, error 0.42 % of the ball, 1.25 s, it is new",
-            "unchanged  tank: 45.6 kB, error 0.42 % of the ball, it is new",
-            "rejected   props/rock: 45.6 kB, error 0.42 % of the ball, 1.25 s, the largest error is 0.42 %, more than \
+            "built      props/trees/oak: 45.6 kB, error 0.42 % of the ball, 1.25 s (new)",
+            "reused     duck: 45.6 kB, error 0.42 % of the ball, 1.25 s (new)",
+            "unchanged  tank: 45.6 kB, error 0.42 % of the ball (new)",
+            "rejected   props/rock: 45.6 kB, error 0.42 % of the ball, 1.25 s; the largest error is 0.42 %, more than \
              max_error 0.1 %",
             "failed     bad: meshes/bad.obj: line 3: a face needs three corners",
-            "not tried  late: it is new",
+            "not tried  late: (new)",
         ];
         assert_eq!(lines, expected);
     }

@@ -1,22 +1,21 @@
 //! A batch as a page: `summary.html`.
 
-use super::log::{counted, why};
+use super::log::{counted, counted_as, why};
 use super::summary::{AssetReport, Outcome, Summary};
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::Read;
 use std::path::{Component, Path};
-use volmap_bake::summary::bytes;
 use volmap_figures::page::{self, Block, Cell, Column, Link, Page, Section, Table, Verdict};
 use volmap_figures::picture::png;
-use volmap_figures::picture::scale::number;
+use volmap_formats::text::{bytes, duration, number, percent};
 
 /// Larger pictures are left out, bytes.
 const LARGEST_PREVIEW: u64 = 1 << 18;
 
 /// Above the table of assets.
 const LEGEND: &str = "Error: the largest of the volume, % of the full ball. Blue: the solid. Orange: a container, seen \
-                      from inside without its near walls. A click on a head sorts.";
+                      from inside without its near walls. Click a column heading to sort.";
 
 /// The page of a batch whose output is in `folder`, where it takes the previews from.
 pub fn page(summary: &Summary, folder: &Path) -> Page {
@@ -41,11 +40,11 @@ fn file_name(path: &str) -> &str {
 fn subtitle(summary: &Summary) -> String {
     let part = summary.shard.map(|shard| format!("part {} of {}, ", shard.index, shard.count));
     format!(
-        "{}{} in work at once, {} threads in all, {} s",
+        "{}{}, {}, {}",
         part.unwrap_or_default(),
-        summary.jobs,
-        summary.threads,
-        number(summary.seconds)
+        counted_as(summary.jobs, "job", "jobs"),
+        counted_as(summary.threads, "thread", "threads"),
+        duration(summary.seconds)
     )
 }
 
@@ -67,13 +66,13 @@ fn verdict(summary: &Summary) -> Verdict {
     let passed = summary.is_good() && !summary.interrupted;
     let mut figures = vec![("good".to_owned(), format!("{good} of {}", assets.len()))];
     let size: u64 = assets.iter().filter(|asset| is_good(asset)).filter_map(|asset| asset.bytes).sum();
-    figures.push(("size of the good ones".into(), bytes(size)));
+    figures.push(("size of good assets".into(), bytes(size)));
     if let Some(worst) = assets.iter().filter(|asset| is_good(asset)).filter_map(error).reduce(f64::max) {
-        figures.push(("their largest error".into(), format!("{} %", number(100.0 * worst))));
+        figures.push(("largest error among good assets".into(), percent(worst)));
     }
-    figures.push(("wall time".into(), format!("{} s", number(summary.seconds))));
+    figures.push(("wall time".into(), duration(summary.seconds)));
     let outcome = if passed { page::Outcome::Pass } else { page::Outcome::Fail };
-    Verdict { outcome, text, figures }
+    Verdict { outcome, text, figures, ..Verdict::default() }
 }
 
 /// Largest error of the volume, as a part of the full ball.
@@ -286,8 +285,8 @@ mod tests {
         assets[3].tags = vec!["hero".into(), "props".into()];
         let page = page(&batch(assets), Path::new("none"));
         assert_eq!(page.verdict.outcome, page::Outcome::Pass);
-        assert!(page.verdict.figures.contains(&("size of the good ones".into(), "20.1 MB".into())));
-        assert!(page.verdict.figures.contains(&("their largest error".into(), "0.42 %".into())));
+        assert!(page.verdict.figures.contains(&("size of good assets".into(), "20.1 MB".into())));
+        assert!(page.verdict.figures.contains(&("largest error among good assets".into(), "0.42 %".into())));
         let totals = &page.sections.last().unwrap().blocks;
         let [Block::Table(outcomes), Block::Table(tags), Block::Paragraph(_), Block::Paragraph(largest)] =
             &totals[..]

@@ -1,4 +1,4 @@
-//! Assets that earlier batches made in a folder and the manifest has no more.
+//! Assets that earlier batches made in a folder that the manifest no longer lists.
 
 use super::assets::PlannedAsset;
 use super::places::Places;
@@ -52,11 +52,11 @@ pub fn tidy(
             {
                 std::fs::remove_file(&file).map_err(|source| Error::io(file, source))?;
             }
-            tidied.notes.push(format!("{name}: removed, as the manifest has it no more"));
+            tidied.notes.push(format!("{name}: removed, as the manifest no longer lists it"));
             continue;
         }
         if leftovers == Leftovers::Tell {
-            tidied.notes.push(format!("{name}: the manifest has it no more; --prune removes it"));
+            tidied.notes.push(format!("{name}: no longer in the manifest; --prune removes it"));
         }
         tidied.left.push(name);
     }

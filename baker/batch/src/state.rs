@@ -93,7 +93,7 @@ pub fn decide(asset: &PlannedAsset, known: &Known) -> Decision {
     };
     let files = known.places.files(&asset.name, Some(&identity.key), asset.report);
     let action = match known.rebuild {
-        true => Action::Make("a rebuild was asked for".into(), Vec::new()),
+        true => Action::Make("rebuild".into(), Vec::new()),
         false => action(asset, &identity, &files, known),
     };
     Decision { identity: Some(identity), action }
@@ -116,7 +116,7 @@ fn action(asset: &PlannedAsset, identity: &Identity, files: &OutputFiles, known:
             let found = Kept { is_rejected: true, ..found };
             return keep(asset, found, &files.rejected, known.thorough);
         }
-        return Action::Make("its gates let it pass now".into(), vec![files.rejected.asset.clone()]);
+        return Action::Make("passes its gates now".into(), vec![files.rejected.asset.clone()]);
     }
     // The cache's may appear before the job starts: another machine may be at the same work.
     let mut candidates: Vec<PathBuf> = files.cached.iter().cloned().collect();
@@ -132,11 +132,9 @@ fn keep(asset: &PlannedAsset, mut found: Kept, files: &AssetFiles, alone: bool) 
     found.failed_gates = gates::failed(&asset.gates, &found.figures, found.bytes);
     let is_gone = |file: &PathBuf| !alone && !file.exists();
     match () {
-        () if is_gone(&files.preview) => {
-            Action::Make("its picture is missing".into(), vec![files.asset.clone()])
-        }
+        () if is_gone(&files.preview) => Action::Make("picture missing".into(), vec![files.asset.clone()]),
         () if files.report.as_ref().is_some_and(is_gone) => {
-            Action::Make("its report is missing".into(), vec![files.asset.clone()])
+            Action::Make("report missing".into(), vec![files.asset.clone()])
         }
         () => Action::Keep(found),
     }
@@ -161,18 +159,16 @@ fn look(
     let bytes = match std::fs::read(path) {
         Ok(bytes) => bytes,
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
-            return outdated(
-                if record.is_some() || thorough { "its file is missing" } else { "it is new" }.into(),
-            );
+            return outdated(if record.is_some() || thorough { "file missing" } else { "new" }.into());
         }
-        Err(error) => return outdated(format!("its file can't be read: {error}")),
+        Err(error) => return outdated(format!("file can't be read: {error}")),
     };
     let (size, hash) = (bytes.len() as u64, blake3::hash(&bytes).to_hex().to_string());
     let recorded = record.filter(|record| record.file_blake3.as_ref() == Some(&hash));
     let same_key =
         |record: &&AssetReport| record.identity.as_ref().is_some_and(|old| old.key == identity.key);
     if recorded.is_none() && record.is_some_and(|record| same_key(&record) && record.output_is(path)) {
-        return outdated("its file is damaged: it isn't what the batch wrote".into());
+        return outdated("file damaged: it isn't what the batch wrote".into());
     }
     let kept = |figures| Kept {
         failed_gates: Vec::new(),
@@ -189,14 +185,14 @@ fn look(
     let asset = match asset::from_bytes(bytes) {
         Ok(asset) => asset,
         Err(error) if record.is_none() && is_foreign(&error) => return Err(Fault::Foreign),
-        Err(error) => return outdated(format!("its file is damaged: {error}")),
+        Err(error) => return outdated(format!("file damaged: {error}")),
     };
     match key_of(&asset) {
         Some(key) if key == identity.key => Ok(kept(figures(&asset))),
         Some(_) => {
             let old = recorded.and_then(|record| record.identity.as_ref());
             let why = old.and_then(|old| difference(old, identity));
-            outdated(why.unwrap_or_else(|| "its mesh, its parameters or the program have changed".into()))
+            outdated(why.unwrap_or_else(|| "mesh, parameters or program changed".into()))
         }
         None => Err(Fault::Foreign),
     }

@@ -27,15 +27,15 @@ pub struct Summary {
     pub counts: Counts,
     /// Wall time, seconds.
     pub seconds: f64,
-    /// Assets in work at once.
+    /// Jobs that ran at once.
     pub jobs: usize,
     /// Threads of all jobs together.
     pub threads: usize,
-    /// What else there is to say: patterns without a mesh, assets that the manifest has no more.
+    /// What else there is to say: patterns without a mesh, assets that the manifest no longer lists.
     pub notes: Vec<String>,
     /// Folders that couldn't be looked into: there may be more meshes.
     pub unreadable: Vec<String>,
-    /// Names of assets that earlier batches made in this folder and the manifest has no more.
+    /// Names of assets that earlier batches made in this folder and that the manifest no longer lists.
     pub leftovers: Vec<String>,
     /// BLAKE3 of all that the manifest says of its assets: parts of one batch have the same.
     pub plan: String,

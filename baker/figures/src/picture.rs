@@ -13,6 +13,7 @@ mod bar;
 pub mod canvas;
 pub mod chart;
 pub mod colours;
+pub mod content;
 pub mod contour;
 pub mod drawing;
 pub mod figure;
@@ -27,6 +28,7 @@ mod svg;
 
 pub use chart::{At, Chart, ChartAxis, Data, Mark, Series};
 pub use colours::{ColourMap, Rgb};
+pub use content::{Category, Colouring, Limits, Line, Marker, Panel, Pixel, Quantity, Raster};
 pub use contour::{Polyline, contours, section};
-pub use figure::{Category, Colouring, Figure, Limits, Line, Marker, Panel, Pixel, Quantity, Raster};
+pub use figure::Figure;
 pub use lattice::{Axis, PixelLattice, Plane};

@@ -17,9 +17,9 @@ use std::path::Path;
 use volmap_bake::area_map::require_space;
 use volmap_bake::iso_surface::iso_surface;
 use volmap_bake::iso_surface::lattice::LatticeChoice;
-use volmap_bake::summary::thousands;
 use volmap_formats::asset::{Array, Asset};
 use volmap_formats::export::{cdm, ply, vti, vtkhdf};
+use volmap_formats::text::thousands;
 use volmap_runtime::VolumeMap;
 
 /// A field of the map.

@@ -7,12 +7,12 @@ use rayon::prelude::*;
 use std::io::Write;
 use volmap_bake::sdf::bvh::Bvh;
 use volmap_figures::picture::colours::{BLACK, DISTINCT, WHITE};
-use volmap_figures::picture::scale::number;
 use volmap_figures::picture::{
     ColourMap, Colouring, Figure, Limits, Line, Panel, Pixel, PixelLattice, Plane, Quantity, Raster,
     contours, section,
 };
 use volmap_formats::mesh::TriangleMesh;
+use volmap_formats::text::number;
 use volmap_runtime::{Sample, VolumeMap};
 
 /// What is shown.

@@ -25,19 +25,19 @@ pub struct BatchArguments {
     /// Only assets with one of these tags
     #[arg(long, value_name = "TAG", conflicts_with = "shard")]
     pub tag: Vec<String>,
-    /// Say what would be made, and what it costs, and make nothing
+    /// Dry run: what would be baked, with estimated time and memory
     #[arg(long)]
     pub check: bool,
-    /// Print name, mesh, tags, and files that the mesh refers to, of every asset, with tabs between, and end
+    /// Print name, mesh, tags, and files that the mesh refers to, of every asset, with tabs between, and exit
     #[arg(long, conflicts_with_all = ["check", "shard"])]
     pub list: bool,
-    /// Say of every asset why it is made or not
+    /// Say of every asset why it is baked or not
     #[arg(long)]
     pub explain: bool,
-    /// Make everything anew
+    /// Bake everything again
     #[arg(long)]
     pub rebuild: bool,
-    /// Remove assets that earlier batches made and the manifest has no more
+    /// Remove assets from earlier batches that the manifest no longer lists
     #[arg(long, conflicts_with_all = ["shard", "tag"])]
     pub prune: bool,
     /// Folder of assets by their content keys, which several machines may share
@@ -47,11 +47,11 @@ pub struct BatchArguments {
     /// Do part I of N: I/N, from 1; auto, or auto/N: as an array job's environment says (Slurm, AWS Batch, Kubernetes, OpenCue)
     #[arg(long, value_name = "I/N", value_parser = shard_of, help_heading = "Several machines")]
     pub shard: Option<Shard>,
-    /// Join the summaries of all shards in this folder, and end
+    /// Join the summaries of all shards in this folder, and exit
     #[arg(long, value_name = "FOLDER", conflicts_with_all = ["inputs", "out", "shard", "check"], help_heading = "Several machines")]
     pub merge: Option<PathBuf>,
 
-    /// Assets in work at once [default: as many as threads]
+    /// Jobs that run at once [default: as many as threads]
     #[arg(short, long, value_name = "N", value_parser = threads, help_heading = "Program")]
     pub jobs: Option<usize>,
     /// Threads of all jobs together [default: all processors]
@@ -66,7 +66,7 @@ pub struct BatchArguments {
     /// Form of what is printed: a line an asset, or a JSON object an asset
     #[arg(long, value_enum, default_value_t, value_name = "FORM", help_heading = "Program")]
     pub log: Log,
-    /// Print the JSON Schema of manifests and end
+    /// Print the JSON Schema of manifests and exit
     #[arg(long, help_heading = "Program")]
     pub schema: bool,
     /// Print nothing but what failed

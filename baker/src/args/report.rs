@@ -45,7 +45,7 @@ pub struct ReportArguments {
     /// Pixels of the longest side of a slice, up to 2048; 0 makes no pictures
     #[arg(long, value_name = "N", default_value_t = Settings::default().pixels, value_parser = pixels)]
     pixels: usize,
-    /// Print the JSON Schema of the JSON file and end
+    /// Print the JSON Schema of the JSON file and exit
     #[arg(long)]
     pub schema: bool,
     /// Threads [default: all processors]

@@ -8,10 +8,10 @@ use volmap_report::reproduce::Experiment;
 
 #[derive(Debug, Args)]
 pub struct ReproduceArguments {
-    /// Which: duck, plane, dragon, density [default: all]
+    /// Experiments to run: duck, plane, dragon, density [default: all]
     #[arg(value_name = "EXPERIMENT", value_parser = Experiment::from_str)]
     experiments: Vec<Experiment>,
-    /// Print what there is and end
+    /// List the experiments and exit
     #[arg(long)]
     pub list: bool,
     /// The dragon's mesh, which comes with SPlisHSPlasH (data/models/Dragon_50k.obj); metres

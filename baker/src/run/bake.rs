@@ -9,8 +9,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 use volmap_bake::bake::bake;
 use volmap_bake::input;
-use volmap_bake::summary::bytes;
 use volmap_formats::asset;
+use volmap_formats::text::bytes;
 use volmap_report::info;
 
 /// Bakes a mesh and says what came of it.

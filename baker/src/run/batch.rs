@@ -12,7 +12,6 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use volmap_bake::content_key;
 use volmap_bake::parameters::Parameters;
-use volmap_bake::summary::bytes;
 use volmap_batch::assets::{Expanded, expand};
 use volmap_batch::check::{Check, Checked, check};
 use volmap_batch::engine::{self, Event};
@@ -26,6 +25,7 @@ use volmap_batch::read::{find_parts, read as read_summary};
 use volmap_batch::settings::BatchSettings;
 use volmap_batch::summary::{Outcome, Summary};
 use volmap_batch::{log, verify, worker};
+use volmap_formats::text::{bytes, duration};
 
 /// Some assets aren't there, or aren't good.
 const SOME_FAILED: u8 = 1;
@@ -222,13 +222,13 @@ fn run_merge(folder: &Path, arguments: &BatchArguments) -> Result<ExitCode> {
 fn show_check(found: &Check, explain: bool) {
     for asset in &found.assets {
         match (&asset.cost, &asset.reason) {
-            (Err(error), _) => say(&format!("can't be made  {}: {error}", asset.name)),
+            (Err(error), _) => say(&format!("cannot bake    {}: {error}", asset.name)),
             (Ok(_), None) if !explain => {}
-            (Ok(_), None) => say(&format!("stays          {}", asset.name)),
+            (Ok(_), None) => say(&format!("up to date     {}", asset.name)),
             (Ok(cost), Some(reason)) => say(&format!(
-                "is made        {}: {reason}; {:.1} s, {} of memory, a file of {}",
+                "would bake     {} ({reason}): {}, {} of memory, a file of {}",
                 asset.name,
-                cost.seconds,
+                duration(cost.seconds),
                 bytes(cost.memory),
                 bytes(cost.file)
             )),
@@ -239,10 +239,11 @@ fn show_check(found: &Check, explain: bool) {
     let made = found.assets.iter().filter(can).filter(is_made).count();
     let good = found.assets.iter().filter(can).count();
     say(&format!(
-        "{made} to make, {} stay, {} can't be made; about {:.0} s, {} of memory, {} on disk (right to a factor of 2 or so)",
+        "{made} to bake, {} up to date, {} that cannot be baked; about {}, {} of memory, {} on disk (right to a factor \
+         of 2 or so)",
         good - made,
         found.assets.len() - good,
-        found.seconds,
+        duration(found.seconds),
         bytes(found.memory),
         bytes(found.files)
     ));

@@ -4,8 +4,8 @@ use crate::args::exchange::{ExportArguments, ImportArguments};
 use crate::is_same_file;
 use anyhow::{Result, bail};
 use std::io::{self, Write};
-use volmap_bake::summary::{bytes, thousands};
 use volmap_formats::asset::{self, Compression};
+use volmap_formats::text::{bytes, thousands};
 use volmap_report::{export, import};
 
 /// Writes a map for other programs.

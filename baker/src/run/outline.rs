@@ -7,8 +7,8 @@ use anyhow::{Result, bail};
 use std::io::{self, Write};
 use std::sync::PoisonError;
 use volmap_bake::area_map::outline::bake_file;
-use volmap_bake::summary::{bytes, thousands};
 use volmap_formats::asset::{self, Asset, Value};
+use volmap_formats::text::{bytes, thousands};
 use volmap_report::info;
 
 /// Bakes an outline and says what came of it.

@@ -1,6 +1,7 @@
 //! What can be wrong with an asset. As with all errors of this crate, the text is complete in itself (file, reason,
 //! cure), and `source()` returns only what the text doesn't say.
 
+use crate::text::quoted;
 use std::path::{Path, PathBuf};
 
 /// Why an asset can't be read or written. The text says it all: it is not in `source` again.
@@ -62,5 +63,5 @@ impl AssetError {
 
 /// Text from a file as it may stand in a message.
 pub(super) fn printable(text: &str) -> String {
-    crate::printable(text, 200)
+    quoted(text, 200)
 }

@@ -1,9 +1,9 @@
 //! What can go wrong with a mesh file, with the place and the cure. The text is complete in itself; `source()` repeats
 //! nothing of it.
 
-use std::path::{Path, PathBuf};
-
 use super::skipped::Skipped;
+use crate::text::quoted;
+use std::path::{Path, PathBuf};
 
 /// Why a mesh could not be read, cleaned or placed.
 #[derive(Debug, thiserror::Error)]
@@ -127,5 +127,5 @@ impl MeshError {
 
 /// Names inside a file and the messages of libraries may quote anything.
 fn printable(text: String) -> String {
-    crate::printable(&text, 400)
+    quoted(&text, 400)
 }

@@ -2,6 +2,7 @@
 
 use super::error::MeshError;
 use super::raw::MAX_COORDINATE;
+use crate::text::quoted;
 
 /// A place in a text: words are separated by blanks and line ends (`\n`, `\r\n` or `\r`).
 #[derive(Clone)]
@@ -128,7 +129,7 @@ pub fn not_a_number(word: &[u8], what: &str) -> String {
 /// A word of a file, for a message: short, printable.
 pub fn show(word: &[u8]) -> String {
     const LONGEST: usize = 40;
-    let text = crate::printable(&String::from_utf8_lossy(&word[..word.len().min(LONGEST)]), LONGEST);
+    let text = quoted(&String::from_utf8_lossy(&word[..word.len().min(LONGEST)]), LONGEST);
     if word.len() > LONGEST { text + "..." } else { text }
 }
 

@@ -8,7 +8,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
-use volmap_bake::summary::thousands;
+use volmap_formats::text::thousands;
 use volmap_scenes::output::statistics::Summary;
 use volmap_scenes::session::{Progress, RunSettings, Session};
 

@@ -1,6 +1,6 @@
 //! What a page says.
 
-use crate::picture::scale::number;
+use volmap_formats::text::number;
 
 /// A page.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -22,6 +22,8 @@ pub struct Page {
 pub struct Verdict {
     /// Good or bad.
     pub outcome: Outcome,
+    /// What stands in the place of pass or fail where neither was asked for ([`Outcome::None`]).
+    pub headline: String,
     /// In a sentence.
     pub text: String,
     /// A few numbers that a reader looks for first: name, number with unit.
@@ -60,7 +62,7 @@ pub enum Block {
     List(Vec<String>),
     /// Names and values.
     Parameters(Vec<Parameter>),
-    /// A table that a click on its head sorts.
+    /// A table; a click on a column heading sorts it.
     Table(Table),
     /// A picture.
     Image(Image),

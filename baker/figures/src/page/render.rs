@@ -1,7 +1,7 @@
 //! A page as the text of an HTML file.
 
 use super::document::{Block, Cell, Column, Image, Outcome, Page, Parameter, Section, Table, Verdict};
-use super::escape::escape;
+use crate::escape::escape;
 use crate::picture::png;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD as BASE64;
@@ -60,9 +60,9 @@ fn optional(out: &mut String, element: &str, text: &str) {
 
 fn verdict(out: &mut String, verdict: &Verdict) {
     let (class, word) = match verdict.outcome {
-        Outcome::Pass => ("pass", "✓ Pass"),
-        Outcome::Fail => ("fail", "✗ Fail"),
-        Outcome::None => ("none", "No limit given"),
+        Outcome::Pass => ("pass", "✓ Pass".to_owned()),
+        Outcome::Fail => ("fail", "✗ Fail".to_owned()),
+        Outcome::None => ("none", escape(&verdict.headline)),
     };
     _ = writeln!(
         out,
@@ -204,7 +204,12 @@ mod tests {
         Page {
             title: text(),
             subtitle: text(),
-            verdict: Verdict { outcome: Outcome::Fail, text: text(), figures: vec![(text(), text())] },
+            verdict: Verdict {
+                outcome: Outcome::Fail,
+                headline: text(),
+                text: text(),
+                figures: vec![(text(), text())],
+            },
             sections: vec![section.clone(), section.clone(), section],
             footer: text(),
         }

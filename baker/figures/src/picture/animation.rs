@@ -1,88 +1,84 @@
 //! Animated PNG files (third edition of the PNG standard, W3C 2025), written picture by picture: of each only the
 //! rectangle that changed. Programs that know nothing of animations show the first picture.
 
-use super::png::{Effort, SIGNATURE, chunk, compressed};
+use super::png::{Effort, encoder};
+use png::{EncodingError, Writer};
 use std::io::{self, Write};
 
 /// Pictures of one size, one after the other, without end.
-pub struct Animation<W> {
-    out: W,
+pub struct Animation<W: Write> {
+    writer: Writer<W>,
     size: [u32; 2],
-    /// Shown so long, as a fraction of seconds.
-    delay: [u16; 2],
     announced: u32,
     written: u32,
-    /// Number of the next chunk of the animation.
-    sequence: u32,
     /// Pixels of the last picture.
     last: Vec<u8>,
 }
 
 impl<W: Write> Animation<W> {
-    /// Begins an animation of `count` pictures, each shown for `delay[0] / delay[1]` seconds.
+    /// Begins an animation of `count` pictures (at least 1), each shown for `delay[0] / delay[1]` seconds.
     ///
     /// # Errors
-    /// The system's.
-    pub fn new(mut out: W, size: [u32; 2], count: u32, delay: [u16; 2]) -> io::Result<Animation<W>> {
-        let mut bytes = SIGNATURE.to_vec();
-        let header = [&size[0].to_be_bytes()[..], &size[1].to_be_bytes(), &[8, 2, 0, 0, 0]].concat();
-        chunk(&mut bytes, b"IHDR", &header);
-        // Number of pictures, of repetitions (0: no end).
-        chunk(&mut bytes, b"acTL", &[count.to_be_bytes(), [0; 4]].concat());
-        out.write_all(&bytes)?;
-        Ok(Animation { out, size, delay, announced: count, written: 0, sequence: 0, last: Vec::new() })
+    /// No picture at all, or the system's.
+    pub fn new(out: W, size: [u32; 2], count: u32, delay: [u16; 2]) -> io::Result<Animation<W>> {
+        let mut encoder = encoder(out, size, Effort::Small);
+        // 0 repetitions: no end.
+        encoder
+            .set_animated(count, 0)
+            .and_then(|()| encoder.set_frame_delay(delay[0], delay[1]))
+            .map_err(io)?;
+        let writer = encoder.write_header().map_err(io)?;
+        Ok(Animation { writer, size, announced: count, written: 0, last: Vec::new() })
     }
 
     /// Adds a picture: red, green, blue, from the upper row down.
     ///
     /// # Errors
-    /// Another size, or the system's.
+    /// Another size, more pictures than announced, or the system's.
     pub fn add(&mut self, rgb: &[u8]) -> io::Result<()> {
         let [width, height] = self.size.map(|n| n as usize);
         if rgb.len() != 3 * width * height {
             return Err(io::Error::new(io::ErrorKind::InvalidInput, "pictures of different sizes"));
         }
-        let first = self.written == 0;
-        let [left, top, across, down] =
-            if first { [0, 0, width, height] } else { changed(&self.last, rgb, width) };
-        let mut bytes = Vec::new();
-        let numbers = [self.next(), across as u32, down as u32, left as u32, top as u32];
-        let mut control: Vec<u8> = numbers.iter().flat_map(|n| n.to_be_bytes()).collect();
-        control.extend(self.delay.iter().flat_map(|n| n.to_be_bytes()));
-        // Left as it is afterwards; the new pixels take the place of the old ones.
-        control.extend([0, 0]);
-        chunk(&mut bytes, b"fcTL", &control);
-        let rows = rgb.chunks(3 * width).skip(top).take(down);
-        let part: Vec<u8> = rows.flat_map(|row| &row[3 * left..3 * (left + across)]).copied().collect();
-        let data = compressed(&part, 3 * across, Effort::Small);
-        if first {
-            chunk(&mut bytes, b"IDAT", &data);
+        if self.written == 0 {
+            self.writer.write_image_data(rgb).map_err(io)?;
         } else {
-            chunk(&mut bytes, b"fdAT", &[&self.next().to_be_bytes()[..], &data].concat());
+            let [left, top, across, down] = changed(&self.last, rgb, width);
+            let rows = rgb.chunks(3 * width).skip(top).take(down);
+            let part: Vec<u8> = rows.flat_map(|row| &row[3 * left..3 * (left + across)]).copied().collect();
+            self.add_part([left, top, across, down].map(|n| n as u32), &part).map_err(io)?;
         }
         self.written += 1;
         rgb.clone_into(&mut self.last);
-        self.out.write_all(&bytes)
+        Ok(())
+    }
+
+    /// The new pixels take the place of the old ones; around them all stays as it is.
+    fn add_part(&mut self, [left, top, across, down]: [u32; 4], rgb: &[u8]) -> Result<(), EncodingError> {
+        // The rectangle of the picture before must not limit that of this one.
+        self.writer.reset_frame_position()?;
+        self.writer.set_frame_dimension(across, down)?;
+        self.writer.set_frame_position(left, top)?;
+        self.writer.write_image_data(rgb)
     }
 
     /// Ends the file.
     ///
     /// # Errors
     /// Another number of pictures than announced, or the system's.
-    pub fn finish(mut self) -> io::Result<W> {
+    pub fn finish(self) -> io::Result<()> {
         if self.written != self.announced {
             let reason = format!("{} pictures, but {} announced", self.written, self.announced);
             return Err(io::Error::new(io::ErrorKind::InvalidInput, reason));
         }
-        let mut bytes = Vec::new();
-        chunk(&mut bytes, b"IEND", &[]);
-        self.out.write_all(&bytes)?;
-        Ok(self.out)
+        self.writer.finish().map_err(io)
     }
+}
 
-    fn next(&mut self) -> u32 {
-        self.sequence += 1;
-        self.sequence - 1
+fn io(error: EncodingError) -> io::Error {
+    match error {
+        EncodingError::IoError(error) => error,
+        other => io::Error::new(io::ErrorKind::InvalidInput, other),
     }
 }
 
@@ -128,14 +124,15 @@ mod tests {
     #[test]
     fn only_what_changed_is_written() {
         let mut picture = vec![10u8; 3 * 8 * 6];
-        let mut animation = Animation::new(Vec::new(), [8, 6], 3, [1, 25]).unwrap();
+        let mut file = Vec::new();
+        let mut animation = Animation::new(&mut file, [8, 6], 3, [1, 25]).unwrap();
         animation.add(&picture).unwrap();
         picture[3 * (2 * 8 + 3)] = 99;
         picture[3 * (4 * 8 + 5) + 2] = 99;
         animation.add(&picture).unwrap();
         animation.add(&picture).unwrap();
         assert!(animation.add(&picture[1..]).is_err());
-        let file = animation.finish().unwrap();
+        animation.finish().unwrap();
         let controls: Vec<&[u8]> = file
             .windows(4)
             .enumerate()

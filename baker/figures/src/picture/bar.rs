@@ -2,8 +2,8 @@
 
 use super::canvas::Canvas;
 use super::colours::{ColourMap, INK};
+use super::content::{Colouring, Limits, Pixel, Quantity};
 use super::drawing::{Anchor, Drawing, Paint, Pen, Rect, Text};
-use super::figure::{Colouring, Limits, Pixel, Quantity};
 use super::frame::widest;
 use super::scale::Scale;
 

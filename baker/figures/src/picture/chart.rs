@@ -2,10 +2,10 @@
 
 use super::canvas::Canvas;
 use super::colours::Rgb;
+use super::content::{Limits, Quantity};
 use super::drawing::{Drawing, Paint, Pen, Rect};
-use super::figure::{Limits, Quantity};
 use super::frame::{Side, bottom_room, draw_frame, left_room};
-use super::legend::{Entry, Legend, Sign};
+use super::legend::{Legend, LegendEntry, Sign};
 use super::scale::Scale;
 use super::svg::svg;
 
@@ -152,7 +152,7 @@ impl Chart {
         }
     }
 
-    fn entries(&self, text: f64) -> Vec<Entry> {
+    fn entries(&self, text: f64) -> Vec<LegendEntry> {
         // Bands of one colour lie over each other.
         let layers = |end: usize, colour: Rgb| {
             let same = |series: &&Series| matches!(series.data, Data::Band(_)) && series.colour == colour;
@@ -165,11 +165,11 @@ impl Chart {
                 Data::Band(_) => Sign::Washes(series.colour, layers(number, series.colour)),
                 Data::Bars(_) => Sign::Box(Paint::Wash(series.colour)),
             };
-            Entry { sign, name: series.name.clone() }
+            LegendEntry { sign, name: series.name.clone() }
         });
         let marks = self.marks.iter().map(|mark| {
             let sign = Sign::Line(Pen { dashed: true, ..pen(mark.colour, text) });
-            Entry { sign, name: mark.name.clone() }
+            LegendEntry { sign, name: mark.name.clone() }
         });
         series.chain(marks).filter(|entry| !entry.name.is_empty()).collect()
     }

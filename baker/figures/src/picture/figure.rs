@@ -1,11 +1,9 @@
-//! What a figure shows: panels of values on pixels, with curves, markers, colour bar and axes.
+//! A figure: panels in rows, with a legend of what they have in common.
 
 use super::canvas::Canvas;
-use super::colours::{ColourMap, Rgb};
-use super::contour::Polyline;
+use super::content::Panel;
 use super::drawing::{Anchor, Drawing};
-use super::lattice::PixelLattice;
-use super::legend::{Entry, Legend};
+use super::legend::{Legend, LegendEntry};
 use super::panel::{Layout, Style, entries};
 
 /// One or several panels, as one picture.
@@ -17,124 +15,6 @@ pub struct Figure {
     pub panels: Vec<Panel>,
     /// Panels a row, at least 1.
     pub columns: usize,
-}
-
-/// Values on a plane.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Panel {
-    /// Above the panel; may be empty.
-    pub title: String,
-    /// Values.
-    pub raster: Raster,
-    /// What they are.
-    pub quantity: Quantity,
-    /// Their colours.
-    pub colouring: Colouring,
-    /// Curves, drawn in this order over the values.
-    pub lines: Vec<Line>,
-    /// Points, over the curves.
-    pub markers: Vec<Marker>,
-}
-
-/// What is known of a pixel.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Pixel {
-    /// A value in the quantity's unit; of categories, the number of one. NaN is [`Pixel::Unknown`].
-    Value(f64),
-    /// Outside the band, in the fluid.
-    Fluid,
-    /// Beyond the band, in the solid.
-    Solid,
-    /// Not computed.
-    Unknown,
-}
-
-/// Pixels on a lattice, i fastest, from the lowest row up.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Raster {
-    /// Where they are.
-    pub lattice: PixelLattice,
-    /// As many as the lattice has; those that are missing are unknown.
-    pub pixels: Vec<Pixel>,
-}
-
-/// Name and unit of a number, as `volume` in `m³`; the unit may be empty.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Quantity {
-    /// Name.
-    pub name: String,
-    /// Unit.
-    pub unit: String,
-}
-
-impl Quantity {
-    /// A quantity.
-    pub fn new(name: impl Into<String>, unit: impl Into<String>) -> Quantity {
-        Quantity { name: name.into(), unit: unit.into() }
-    }
-}
-
-/// How values become colours.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Colouring {
-    /// In proportion.
-    Linear(ColourMap, Limits),
-    /// By the logarithm; values of at most the lower limit, zero among them, have the first colour.
-    Log(ColourMap, Limits),
-    /// The value n stands for category n.
-    Categories(Vec<Category>),
-}
-
-/// Values at the ends of the colour map.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum Limits {
-    /// Those of the panel's values; of a diverging map balanced about zero; of logarithms at most 4 decades.
-    #[default]
-    Auto,
-    /// Given ones; values beyond have the end's colour, and the bar an arrow there.
-    Given([f64; 2]),
-}
-
-/// A kind of pixel.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Category {
-    /// For the legend; empty: not in it.
-    pub name: String,
-    /// Colour.
-    pub colour: Rgb,
-}
-
-/// Curves of one kind.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Line {
-    /// For the legend; empty: not in it.
-    pub name: String,
-    /// Curves, metres along the lattice's axes.
-    pub curves: Vec<Polyline>,
-    /// Colour.
-    pub colour: Rgb,
-    /// Width as a part of the usual one.
-    pub width: f64,
-    /// Dashed.
-    pub dashed: bool,
-}
-
-impl Line {
-    /// A whole line of usual width.
-    pub fn new(name: impl Into<String>, curves: Vec<Polyline>, colour: Rgb) -> Line {
-        Line { name: name.into(), curves, colour, width: 1.0, dashed: false }
-    }
-}
-
-/// A marked point: a cross in a ring.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Marker {
-    /// For the legend; empty: not in it.
-    pub name: String,
-    /// Metres along the lattice's axes.
-    pub at: [f64; 2],
-    /// Colour.
-    pub colour: Rgb,
 }
 
 impl Figure {
@@ -177,10 +57,10 @@ impl Figure {
     }
 
     /// What several panels have in common is explained once, below them; the rest by each panel.
-    fn legends(&self, style: &Style) -> (Vec<Entry>, Vec<Vec<Entry>>) {
-        let all: Vec<Vec<Entry>> = self.panels.iter().map(|panel| entries(panel, style.text)).collect();
-        let common = |entry: &Entry| all.iter().filter(|own| own.contains(entry)).count() > 1;
-        let mut shared: Vec<Entry> = Vec::new();
+    fn legends(&self, style: &Style) -> (Vec<LegendEntry>, Vec<Vec<LegendEntry>>) {
+        let all: Vec<Vec<LegendEntry>> = self.panels.iter().map(|panel| entries(panel, style.text)).collect();
+        let common = |entry: &LegendEntry| all.iter().filter(|own| own.contains(entry)).count() > 1;
+        let mut shared: Vec<LegendEntry> = Vec::new();
         for entry in all.iter().flatten().filter(|entry| common(entry)) {
             if !shared.contains(entry) {
                 shared.push(entry.clone());

@@ -17,7 +17,7 @@ pub fn width(text: &str, size: f64) -> f64 {
 /// The outline of a line of text that starts at `at` on its base line, to the right or (`turned`) upwards.
 pub fn outline(text: &str, size: f64, at: [f64; 2], turned: bool) -> Option<Path> {
     let scale = size / f64::from(FACE.units_per_em());
-    let mut pen = Pen { builder: PathBuilder::new(), at, along: 0, scale, turned };
+    let mut pen = GlyphPen { builder: PathBuilder::new(), at, along: 0, scale, turned };
     for c in text.chars() {
         let glyph = glyph(c);
         FACE.outline_glyph(glyph, &mut pen);
@@ -35,7 +35,7 @@ fn advance(glyph: ttf_parser::GlyphId) -> u32 {
     FACE.glyph_hor_advance(glyph).unwrap_or(0).into()
 }
 
-struct Pen {
+struct GlyphPen {
     builder: PathBuilder,
     at: [f64; 2],
     along: u32,
@@ -43,7 +43,7 @@ struct Pen {
     turned: bool,
 }
 
-impl Pen {
+impl GlyphPen {
     fn place(&self, x: f32, y: f32) -> (f32, f32) {
         let (x, y) = ((f64::from(x) + f64::from(self.along)) * self.scale, f64::from(y) * self.scale);
         let [dx, dy] = if self.turned { [-y, -x] } else { [x, -y] };
@@ -51,7 +51,7 @@ impl Pen {
     }
 }
 
-impl OutlineBuilder for Pen {
+impl OutlineBuilder for GlyphPen {
     fn move_to(&mut self, x: f32, y: f32) {
         let (x, y) = self.place(x, y);
         self.builder.move_to(x, y);

@@ -6,7 +6,7 @@ use super::font;
 
 /// A sign and its meaning.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Entry {
+pub struct LegendEntry {
     pub sign: Sign,
     pub name: String,
 }
@@ -24,15 +24,15 @@ pub enum Sign {
 
 /// Entries in rows that are at most as wide as the legend, where they can be.
 pub struct Legend {
-    rows: Vec<Vec<(f64, Entry)>>,
+    rows: Vec<Vec<(f64, LegendEntry)>>,
     text: f64,
 }
 
 const ROW: f64 = 1.5;
 
 impl Legend {
-    pub fn new(entries: Vec<Entry>, width: f64, text: f64) -> Legend {
-        let mut rows: Vec<Vec<(f64, Entry)>> = Vec::new();
+    pub fn new(entries: Vec<LegendEntry>, width: f64, text: f64) -> Legend {
+        let mut rows: Vec<Vec<(f64, LegendEntry)>> = Vec::new();
         let mut x = 0.0;
         for entry in entries {
             let own = 2.2 * text + font::width(&entry.name, text) + 1.4 * text;
@@ -51,7 +51,7 @@ impl Legend {
     }
 
     pub fn width(&self) -> f64 {
-        let end = |(x, entry): &(f64, Entry)| x + 2.2 * self.text + font::width(&entry.name, self.text);
+        let end = |(x, entry): &(f64, LegendEntry)| x + 2.2 * self.text + font::width(&entry.name, self.text);
         self.rows.iter().filter_map(|row| row.last()).map(end).fold(0.0, f64::max)
     }
 

@@ -3,10 +3,10 @@
 use super::bar::{Bar, Room};
 use super::canvas::Canvas;
 use super::colours::{FLUID, Rgb, SOLID, WHITE};
+use super::content::{Colouring, Line, Panel, Pixel};
 use super::drawing::{Anchor, Drawing, Paint, Pen, Rect};
-use super::figure::{Colouring, Line, Panel, Pixel};
 use super::frame::{Side, bottom_room, draw_frame, left_room};
-use super::legend::{Entry, Legend, Sign, ring};
+use super::legend::{Legend, LegendEntry, Sign, ring};
 use super::scale::Scale;
 
 /// Lengths in pixels that all panels of a figure share.
@@ -50,7 +50,7 @@ pub struct Layout<'a> {
 }
 
 impl<'a> Layout<'a> {
-    pub fn new(panel: &'a Panel, style: Style, entries: Vec<Entry>) -> Layout<'a> {
+    pub fn new(panel: &'a Panel, style: Style, entries: Vec<LegendEntry>) -> Layout<'a> {
         let lattice = &panel.raster.lattice;
         let longest = lattice.size[0].max(lattice.size[1]).max(1);
         let scale = ((style.plot / longest as f64).round() as usize).max(1);
@@ -162,9 +162,9 @@ fn pen(line: &Line, text: f64) -> Pen {
 }
 
 /// What the legend explains: categories and regions that there are, curves and markers with a name.
-pub fn entries(panel: &Panel, text: f64) -> Vec<Entry> {
+pub fn entries(panel: &Panel, text: f64) -> Vec<LegendEntry> {
     let mut entries = Vec::new();
-    let mut add = |sign: Sign, name: &str| entries.push(Entry { sign, name: name.to_owned() });
+    let mut add = |sign: Sign, name: &str| entries.push(LegendEntry { sign, name: name.to_owned() });
     let pixels = &panel.raster.pixels;
     if let Colouring::Categories(all) = &panel.colouring {
         let named = all.iter().filter(|category| !category.name.is_empty());

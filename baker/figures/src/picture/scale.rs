@@ -1,5 +1,7 @@
-//! Scales with round ticks, and numbers as people write them in print. No function of the system's
-//! mathematics library is used, as their last bits differ from machine to machine.
+//! Scales with round ticks. No function of the system's mathematics library is used, as their last bits differ from
+//! machine to machine.
+
+use volmap_formats::text::{exponent, minus, number, power_of_ten, ten_to};
 
 /// From numbers to places on an axis, with labelled ticks.
 #[derive(Clone, Debug, PartialEq)]
@@ -84,7 +86,7 @@ fn linear_ticks([low, high]: [f64; 2], most: usize) -> (Vec<(f64, String)>, i32)
     let (first, last) = ((low / step - slack).ceil() as i64, (high / step + slack).floor() as i64);
     let tick = |n: i64| {
         let written = n as f64 * unit * ten_to(power - labels);
-        (n as f64 * step, minus(format!("{written:.decimals$}")))
+        (n as f64 * step, minus(&format!("{written:.decimals$}")))
     };
     ((first..=last).map(tick).collect(), labels)
 }
@@ -114,57 +116,6 @@ fn decade_label(value: f64) -> String {
         1.0 => power_of_ten(power),
         mantissa => format!("{mantissa}·{}", power_of_ten(power)),
     }
-}
-
-/// A number with three digits, as `0.0123`, `1.20·10⁻⁵`, `12,345`: what stands in legends and captions.
-pub fn number(value: f64) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return minus(value.abs().to_string());
-    }
-    let rounded: f64 = format!("{value:.2e}").parse().unwrap_or(value);
-    match exponent(rounded) {
-        power @ -3..=2 => {
-            let text = format!("{rounded:.*}", usize::try_from(2 - power).unwrap_or(0));
-            let short =
-                if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
-            minus(short.to_owned())
-        }
-        3..=5 => {
-            let whole = format!("{:.0}", value.abs());
-            let (head, tail) = whole.split_at(whole.len() - 3);
-            format!("{}{head},{tail}", if value < 0.0 { "−" } else { "" })
-        }
-        power => minus(format!("{:.2}·{}", rounded / ten_to(power), power_of_ten(power))),
-    }
-}
-
-/// `10⁻⁵`.
-pub fn power_of_ten(exponent: i32) -> String {
-    let raised = |c: char| match c.to_digit(10) {
-        Some(digit) => ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'][digit as usize],
-        None => '⁻',
-    };
-    format!("10{}", exponent.to_string().chars().map(raised).collect::<String>())
-}
-
-fn minus(text: String) -> String {
-    // A rounded zero has no sign.
-    match text.strip_prefix('-') {
-        Some(rest) if rest.chars().all(|c| c == '0' || c == '.') => rest.to_owned(),
-        Some(rest) => format!("−{rest}"),
-        None => text,
-    }
-}
-
-/// The largest k with 10^k <= |x|; 0 for zero.
-pub fn exponent(x: f64) -> i32 {
-    let text = format!("{:e}", x.abs());
-    text.split_once('e').and_then(|(_, power)| power.parse().ok()).unwrap_or(0)
-}
-
-/// The closest number to 10^k.
-pub fn ten_to(k: i32) -> f64 {
-    format!("1e{k}").parse().unwrap_or(f64::INFINITY)
 }
 
 /// The decimal logarithm of a positive number to about 1e-15, with the same bits everywhere.
@@ -217,25 +168,6 @@ mod tests {
         let scale = Scale::log([1e-4, 1.0], 5);
         assert!((scale.place(1e-2) - 0.5).abs() < 1e-14);
         assert_eq!(scale.place(0.0), f64::NEG_INFINITY);
-    }
-
-    #[test]
-    fn numbers_are_short() {
-        let cases = [
-            (0.0, "0"),
-            (1.2e-5, "1.20·10⁻⁵"),
-            (-0.012345, "−0.0123"),
-            (0.5, "0.5"),
-            (99.96, "100"),
-            (0.09996, "0.1"),
-            (123.4, "123"),
-            (-12345.6, "−12,346"),
-            (9.996e-5, "1.00·10⁻⁴"),
-            (2.5e9, "2.50·10⁹"),
-        ];
-        for (value, text) in cases {
-            assert_eq!(number(value), text);
-        }
     }
 
     #[test]

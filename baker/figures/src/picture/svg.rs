@@ -1,7 +1,7 @@
 //! Shapes to SVG that stands in a page and takes its colour of text.
 
 use super::drawing::{Anchor, Drawing, Paint, Pen, Shape, Text};
-use crate::page::escape;
+use crate::escape::escape;
 use std::fmt::Write;
 
 /// An `svg` element of this size in its own unit, as wide as its place; `name` is read out.

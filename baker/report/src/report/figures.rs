@@ -6,12 +6,12 @@ use super::thin::Thin;
 use super::views::{SHADES, View};
 use glam::DVec3;
 use volmap_figures::picture::colours::{BLACK, DISTINCT, WHITE};
-use volmap_figures::picture::scale::number;
 use volmap_figures::picture::{
     At, Category, Chart, ChartAxis, ColourMap, Colouring, Data, Figure, Limits, Line, Marker, Panel, Pixel,
     Quantity, Raster, Rgb, Series, contours, section,
 };
 use volmap_formats::mesh::TriangleMesh;
+use volmap_formats::text::number;
 
 /// A picture.
 #[derive(Clone, Debug)]

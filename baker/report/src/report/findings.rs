@@ -11,6 +11,7 @@ use glam::DVec3;
 use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::{Map, Value as Json};
+use volmap_formats::text::{number, percent, thousands};
 
 /// Ranges of distance, from 2 r deep to 2 r outside.
 const BINS: usize = 32;
@@ -321,24 +322,23 @@ fn verdict(best: &[Measurement], reference: Reference, allowed: Option<f64>, bal
     let passed = allowed.map(|allowed| fluid.count > 0 && fluid.max <= allowed);
     let place = match fluid.worst {
         Some(worst) => {
-            let [x, y, z] = worst.point;
-            format!(", at ({x:.4}, {y:.4}, {z:.4})")
+            format!(", at ({}) m", worst.point.map(number).join(", "))
         }
         None => ": no point of the band lies in the fluid".into(),
     };
     let limit = match (passed, allowed) {
-        (Some(true), Some(allowed)) => format!("; {} % are allowed: passed", 100.0 * allowed),
-        (Some(false), Some(allowed)) => format!("; {} % are allowed: FAILED", 100.0 * allowed),
+        (Some(true), Some(allowed)) => format!("; the limit is {}: passed", percent(allowed)),
+        (Some(false), Some(allowed)) => format!("; the limit is {}: FAILED", percent(allowed)),
         _ => String::new(),
     };
     let text = format!(
-        "The largest error of the volume in the fluid is {:.3} % of the full ball ({:.3e} m³){place}{limit}. Against {}, \
-         at {} points; with 95 % confidence at most {:.2} % of the fluid near the surface has a larger one.",
-        100.0 * fluid.max,
-        fluid.max * ball,
+        "The largest error of the volume in the fluid is {} of the full ball ({} m³){place}{limit}. Against {}, at {} \
+         points; with 95 % confidence at most {} of the fluid near the surface has a larger one.",
+        percent(fluid.max),
+        number(fluid.max * ball),
         reference.describe(),
-        fluid.count,
-        100.0 * fluid.beyond_max,
+        thousands(fluid.count as u64),
+        percent(fluid.beyond_max),
     );
     Verdict { passed, max_error: fluid.max, allowed, reference, text }
 }

@@ -5,7 +5,7 @@ use super::findings::{DensityErrors, DistanceErrors, Findings, ThinPlaces};
 use super::statistics::Statistics;
 use serde_json::Value as Json;
 use volmap_figures::page::{Block, Cell, Column, Image, Outcome, Page, Parameter, Section, Table, Verdict};
-use volmap_figures::picture::scale::number;
+use volmap_formats::text::{number, percent};
 
 /// The page of the asset of this name.
 pub fn page(name: &str, findings: &Findings, pictures: Vec<Picture>) -> Page {
@@ -60,11 +60,8 @@ fn verdict(findings: &Findings) -> Verdict {
         Some(false) => Outcome::Fail,
         None => Outcome::None,
     };
-    Verdict { outcome, text: found.text.clone(), figures }
-}
-
-fn percent(part: f64) -> String {
-    format!("{} %", number(100.0 * part))
+    let headline = format!("Largest volume error {} (no limit set)", percent(found.max_error));
+    Verdict { outcome, headline, text: found.text.clone(), figures }
 }
 
 fn volume(findings: &Findings) -> Section {
@@ -144,7 +141,7 @@ fn worst_place(found: &Statistics) -> Cell {
 }
 
 fn place([x, y, z]: [f64; 3]) -> String {
-    format!("({x:.4}, {y:.4}, {z:.4})")
+    format!("({})", [x, y, z].map(number).join(", "))
 }
 
 fn density(found: &DensityErrors) -> Section {

@@ -38,15 +38,15 @@ pub fn write(path: &Path, pictures: &[PathBuf], settings: &AnimationSettings) ->
     };
     let Some((first, others)) = pictures.split_first() else { return Ok(()) };
     let (size, rgb) = read(first)?;
-    let out = BufWriter::with_capacity(1 << 20, NewFile::create(path).map_err(io_error(path))?);
+    let mut out = BufWriter::with_capacity(1 << 20, NewFile::create(path).map_err(io_error(path))?);
     let delay = [1, settings.frames_per_second.max(1)];
     let count = u32::try_from(pictures.len()).unwrap_or(u32::MAX);
-    let mut animation = Animation::new(out, size, count, delay).map_err(io_error(path))?;
+    let mut animation = Animation::new(&mut out, size, count, delay).map_err(io_error(path))?;
     animation.add(&rgb).map_err(io_error(path))?;
     for picture in others {
         animation.add(&read(picture)?.1).map_err(io_error(path))?;
     }
-    let out = animation.finish().map_err(io_error(path))?;
+    animation.finish().map_err(io_error(path))?;
     let file = out.into_inner().map_err(|error| io_error(path)(error.into_error()))?;
     file.publish().map_err(io_error(path))
 }

@@ -32,9 +32,9 @@ use shade::{Light, Scenery};
 use splat::{Fluid, Layer, Splat};
 use triangles::{Sides, Solid, Triangle};
 use view::View;
-use volmap_bake::summary::thousands;
 use volmap_figures::picture::ColourMap;
 use volmap_figures::picture::canvas::Canvas;
+use volmap_formats::text::thousands;
 use volmap_runtime::Pose;
 
 /// How frames are drawn.

@@ -10,9 +10,9 @@ use crate::error::Error;
 use serde::Serialize;
 use std::fmt::{self, Display, Formatter};
 use std::path::Path;
-use volmap_bake::summary::{bytes, thousands};
 use volmap_fluid::lattice;
 use volmap_fluid::settings::BoundaryMethod;
+use volmap_formats::text::{bytes, thousands};
 
 /// The largest memory of a run over its particles, measured at 1 to 3 million (640 to 720: solver/BENCHMARKS.md); a run of
 /// few takes some 30 MB more.

@@ -1,20 +1,17 @@
 //! Text that stands in HTML, between tags or in quotes.
 
-/// The text with what HTML would take as markup replaced, and without control characters.
+use volmap_formats::text::printable;
+
+/// The text with all that HTML would take as markup replaced, and without what `printable` replaces.
 pub fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
+    for c in printable(text).chars() {
         match c {
             '&' => out.push_str("&amp;"),
             '<' => out.push_str("&lt;"),
             '>' => out.push_str("&gt;"),
             '"' => out.push_str("&quot;"),
             '\'' => out.push_str("&#39;"),
-            '\n' | '\t' => out.push(c),
-            // Control characters, and those that turn the direction of the text after them.
-            c if c.is_control() || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}') => {
-                out.push('\u{fffd}')
-            }
             c => out.push(c),
         }
     }
