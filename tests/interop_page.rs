@@ -9,7 +9,7 @@ use volmap_figures::page::{
 use volmap_figures::picture;
 use volmap_figures::picture::colours::DISTINCT;
 use volmap_figures::picture::{Chart, Data, Quantity, Series};
-use volmap_report::slice::{Settings, slice};
+use volmap_report::slice::{SliceSettings, slice};
 use volmap_tests::{SPHERE, map_of, python};
 
 const NASTY: &str = "<img src=x onerror=alert(1)>&amp;\"'.obj";
@@ -17,7 +17,7 @@ const NASTY: &str = "<img src=x onerror=alert(1)>&amp;\"'.obj";
 /// A picture of a ball's map.
 fn image() -> Image {
     let map = map_of(&SPHERE, 12, &plan::Settings { support_radius: Some(0.1), ..plan::Settings::default() });
-    let settings = Settings {
+    let settings = SliceSettings {
         plane: "z=0.1".parse().unwrap(),
         field: volmap_report::slice::Field::Volume,
         pixels: 200,

@@ -13,8 +13,8 @@ use volmap_report::report::reference::Reference;
 use volmap_report::report::samples::band_points;
 use volmap_report::report::shape::Shape;
 use volmap_report::report::thin::{spread, widths};
-use volmap_report::report::volume_error::{Measuring, Part, measure};
-use volmap_report::report::{Report, Settings, report};
+use volmap_report::report::volume_error::{ErrorPart, Measuring, measure};
+use volmap_report::report::{Report, ReportSettings, report};
 use volmap_runtime::DVec3;
 use volmap_tests::{SPHERE, asset_of, compute};
 
@@ -52,11 +52,11 @@ fn baked_in(input: &Input, precision: Precision, domain: Option<[[f64; 3]; 2]>) 
     bake(input.clone(), &settings, &mut |_| (), &mut |_| ()).unwrap().asset
 }
 
-fn quick() -> Settings {
-    Settings { points: 300, mesh_points: 60, pixels: 0, ..Settings::default() }
+fn quick() -> ReportSettings {
+    ReportSettings { points: 300, mesh_points: 60, pixels: 0, ..ReportSettings::default() }
 }
 
-fn of(asset: &Asset, mesh: Option<Input>, settings: &Settings) -> Report {
+fn of(asset: &Asset, mesh: Option<Input>, settings: &ReportSettings) -> Report {
     report(asset, mesh, settings, &mut |_| ()).unwrap()
 }
 
@@ -78,7 +78,7 @@ fn parts_add_up_to_the_whole_error_at_every_point() {
         let mut known = 0;
         for sample in measure(&measuring, &points, &Work::new(0)) {
             let Some(parts) = sample.parts else { continue };
-            let sum: f64 = Part::ALL.iter().filter_map(|part| part.of(&parts)).sum();
+            let sum: f64 = ErrorPart::ALL.iter().filter_map(|part| part.of(&parts)).sum();
             let whole = sample.against(Reference::FineMesh).unwrap().error();
             assert!((sum - whole).abs() < 1e-12 * model.ball, "{sum}, {whole} at {}", sample.point);
             storage = storage.max(parts.storage.abs() / model.ball);
@@ -102,7 +102,7 @@ fn a_domain_that_cuts_the_solid_leaves_its_border_without_parts() {
     let input = boxes(&[[[0.0; 3], [0.8, 0.3, 0.5]]]);
     let asset = baked_in(&input, Precision::F64, Some([[-0.3, -0.3, -0.3], [0.5, 0.7, 0.9]]));
     let findings = of(&asset, Some(input), &quick()).findings;
-    let storage = findings.parts.iter().find(|p| p.part == Part::Storage).unwrap();
+    let storage = findings.parts.iter().find(|p| p.part == ErrorPart::Storage).unwrap();
     assert!(storage.fraction.max < 1e-12, "{storage:?}");
     assert!((10..50).contains(&storage.fraction.count), "{storage:?}");
 }
@@ -112,22 +112,24 @@ fn a_volume_that_is_wrong_by_a_known_part_is_found_and_fails() {
     let input = boxes(&[[[0.0; 3], [0.6, 0.6, 0.6]]]);
     let mut asset = baked(&input, Precision::F64);
     let honest = of(&asset, Some(input.clone()), &quick()).findings;
-    let part = |findings: &Findings, part: Part| {
+    let part = |findings: &Findings, part: ErrorPart| {
         findings.parts.iter().find(|p| p.part == part).unwrap().fraction.max
     };
-    assert!(part(&honest, Part::Storage) < 1e-12);
+    assert!(part(&honest, ErrorPart::Storage) < 1e-12);
     // 5 % of the full ball everywhere: the partition of unity carries it through.
     let wrong = 0.05 * honest.asset.ball_volume;
     let Array::F64(volume) = &mut asset.volume else { panic!() };
     volume.iter_mut().for_each(|v| *v += wrong);
     for (limit, passed) in [(0.02, false), (0.2, true)] {
-        let settings = Settings { max_error: Some(limit), ..quick() };
+        let settings = ReportSettings { max_error: Some(limit), ..quick() };
         let findings = of(&asset, Some(input.clone()), &settings).findings;
         assert_eq!(findings.verdict.passed, Some(passed));
         let max = findings.verdict.max_error;
         assert!((max - 0.05).abs() < honest.verdict.max_error + 1e-9, "{max}");
-        assert!((part(&findings, Part::Storage) - 0.05).abs() < 1e-9);
-        assert!((part(&findings, Part::Quadrature) - part(&honest, Part::Quadrature)).abs() < 1e-12);
+        assert!((part(&findings, ErrorPart::Storage) - 0.05).abs() < 1e-9);
+        assert!(
+            (part(&findings, ErrorPart::Quadrature) - part(&honest, ErrorPart::Quadrature)).abs() < 1e-12
+        );
     }
 }
 
@@ -139,7 +141,7 @@ fn a_closed_form_agrees_with_the_converged_rule_and_shows_the_grid() {
     for resolution in [8, 16, 32] {
         let (plan, maps) = compute(&SPHERE, resolution, &settings);
         let asset = asset_of(&plan, &settings, maps);
-        let findings = of(&asset, None, &Settings { shape: Some(shape), ..quick() }).findings;
+        let findings = of(&asset, None, &ReportSettings { shape: Some(shape), ..quick() }).findings;
         assert_eq!(findings.verdict.reference, Reference::Shape);
         let max = findings.verdict.max_error;
         // In the end 0.15 % of the rule are left.
@@ -187,7 +189,7 @@ fn walls_and_gaps_are_as_wide_as_they_were_made() {
 fn figures_and_pictures_do_not_depend_on_threads() {
     let input = boxes(&[[[0.0; 3], [0.4, 0.3, 0.5]]]);
     let asset = baked(&input, Precision::F32);
-    let settings = Settings { pixels: 24, ..quick() };
+    let settings = ReportSettings { pixels: 24, ..quick() };
     let on = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let found = pool.install(|| of(&asset, Some(input.clone()), &settings));
@@ -199,8 +201,10 @@ fn figures_and_pictures_do_not_depend_on_threads() {
     assert!(one == on(3));
     assert!(
         one.0
-            != serde_json::to_string(&of(&asset, Some(input), &Settings { seed: 2, ..settings }).findings)
-                .unwrap()
+            != serde_json::to_string(
+                &of(&asset, Some(input), &ReportSettings { seed: 2, ..settings }).findings
+            )
+            .unwrap()
     );
 }
 

@@ -59,18 +59,18 @@ impl Progress {
     }
 
     /// Names the step of a report.
-    pub fn report(&self, step: report::Step) {
+    pub fn report(&self, step: report::ReportStep) {
         self.show(match step {
-            report::Step::Opening => ("preparing", None),
-            report::Step::Samples(work) => ("integrating at random points", Some(work)),
-            report::Step::Surface => ("measuring the surface", None),
-            report::Step::Slices(work) => ("integrating at pixels", Some(work)),
-            report::Step::Pictures => ("drawing", None),
+            report::ReportStep::Opening => ("preparing", None),
+            report::ReportStep::Samples(work) => ("integrating at random points", Some(work)),
+            report::ReportStep::Surface => ("measuring the surface", None),
+            report::ReportStep::Slices(work) => ("integrating at pixels", Some(work)),
+            report::ReportStep::Pictures => ("drawing", None),
         });
     }
 
     /// Names the step of an experiment.
-    pub fn reproduce(&self, step: reproduce::Step) {
+    pub fn reproduce(&self, step: reproduce::ExperimentStep) {
         self.show((step.name, step.work));
     }
 

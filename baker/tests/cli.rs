@@ -646,13 +646,13 @@ fn an_experiment_of_the_paper_is_run_by_its_name() {
     assert_eq!(list.lines().count(), 4);
     assert!(list.contains("density map and a volume map"), "{list}");
     let table = output(volmap(&folder).args(["reproduce", "plane"]));
-    assert!(table.contains("1.60e-5 m^3") && table.contains("ours / paper"), "{table}");
+    assert!(table.contains("1.600·10⁻⁵ m^3") && table.contains("  ratio"), "{table}");
     let both: serde_json::Value =
         serde_json::from_str(&output(volmap(&folder).args(["reproduce", "plane", "dragon", "--json"])))
             .unwrap();
-    assert_eq!(both["outcomes"][0]["experiment"], "plane");
+    assert_eq!(both["experiments"][0]["name"], "plane");
     // What needs a mesh that isn't there says so.
-    let rows = both["outcomes"][1]["rows"].as_array().unwrap();
+    let rows = both["experiments"][1]["outcome"]["rows"].as_array().unwrap();
     assert!(rows.iter().any(|row| row["remark"] == "needs the mesh: --dragon FILE"), "{rows:?}");
     let text = error(volmap(&folder).args(["reproduce", "plane", "--dragon"]).arg(data("duck.obj")));
     assert!(text.contains("--dragon: is for the experiment dragon"), "{text}");

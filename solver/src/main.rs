@@ -29,10 +29,10 @@ fn run(command: &Command) -> Result<()> {
         Command::Check(arguments) => run::check::run_check(arguments),
         Command::Schema => run::schema::run_schema(),
         Command::Validate(arguments) => {
-            run::experiments::run_experiments((validation::EXPERIMENTS, "validation.json"), arguments)
+            run::experiments::run_experiments(validation::EXPERIMENTS, "validation.json", arguments)
         }
         Command::Reproduce(arguments) => {
-            run::experiments::run_experiments((reproduce::EXPERIMENTS, "reproduction.json"), arguments)
+            run::experiments::run_experiments(reproduce::EXPERIMENTS, "reproduction.json", arguments)
         }
     }
 }

@@ -120,7 +120,7 @@ fn read_same(path: &Path, key: &str) -> Option<(Asset, Vec<u8>)> {
 /// Without a verdict: gates may change, and the page stays.
 fn write_report(path: &Path, asset: &Asset, task: &MakeTask) -> Result<(), Error> {
     let mesh = content_key::load(&task.input.mesh, &task.input.parameters.recipe(), &task.identity)?;
-    let found = report(asset, Some(mesh), &report::Settings::default(), &mut |_| ())?;
+    let found = report(asset, Some(mesh), &report::ReportSettings::default(), &mut |_| ())?;
     let json = serde_json::to_string_pretty(&found.findings).expect("numbers and text") + "\n";
     let html = page(&file_name(&task.files.good.asset), &found.findings, found.pictures()).to_html();
     publish(&path.with_extension("json"), json.as_bytes())?;

@@ -7,6 +7,7 @@
 //! ```
 
 pub mod error;
+pub mod experiments;
 pub mod export;
 pub mod import;
 pub mod info;

@@ -39,7 +39,7 @@ use volume_error::{Measuring, VolumeSample};
 
 /// What is measured.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Settings {
+pub struct ReportSettings {
     /// Random points of the band.
     pub points: usize,
     /// How many of them are compared with the mesh.
@@ -56,9 +56,9 @@ pub struct Settings {
     pub pixels: usize,
 }
 
-impl Default for Settings {
-    fn default() -> Settings {
-        Settings {
+impl Default for ReportSettings {
+    fn default() -> ReportSettings {
+        ReportSettings {
             points: 10_000,
             mesh_points: 1_000,
             gl100_mesh_points: 0,
@@ -72,7 +72,7 @@ impl Default for Settings {
 
 /// A step of the report, for progress.
 #[derive(Clone, Debug)]
-pub enum Step {
+pub enum ReportStep {
     /// Preparing mesh and asset.
     Opening,
     /// Integrals at the random points.
@@ -116,10 +116,10 @@ impl Report {
 pub fn report(
     asset: &Asset,
     mesh: Option<Input>,
-    settings: &Settings,
-    enter: &mut dyn FnMut(Step),
+    settings: &ReportSettings,
+    enter: &mut dyn FnMut(ReportStep),
 ) -> Result<Report, Error> {
-    enter(Step::Opening);
+    enter(ReportStep::Opening);
     let model = Model::new(asset)?;
     if model.cells.band.is_empty() {
         return Err(Error::setting("asset", "stores no cells; there is nothing to measure"));
@@ -134,17 +134,17 @@ pub fn report(
         gl100_mesh_points: settings.gl100_mesh_points,
     };
     let work = Work::new(points.len() as u64);
-    enter(Step::Samples(work.clone()));
+    enter(ReportStep::Samples(work.clone()));
     let volumes = volume_error::measure(&measuring, &points, &work);
-    enter(Step::Surface);
-    let surface = solid.as_ref().map(|solid| surface((asset, &model), solid, &points));
+    enter(ReportStep::Surface);
+    let surface = solid.as_ref().map(|solid| surface(asset, &model, solid, &points));
     let worst = findings::worst_point(&volumes);
     let slices = slices::slices(&model, worst, settings.pixels, &mut |total| {
         let work = Work::new(total);
-        enter(Step::Slices(work.clone()));
+        enter(ReportStep::Slices(work.clone()));
         work
     });
-    enter(Step::Pictures);
+    enter(ReportStep::Pictures);
     let views = match (&solid, settings.pixels) {
         (Some(solid), pixels @ 1..) => views::views(&model, solid, pixels),
         _ => Vec::new(),
@@ -180,13 +180,13 @@ pub struct Surface {
     pub widths: Vec<Width>,
 }
 
-fn surface((asset, model): (&Asset, &Model), solid: &Solid, points: &[DVec3]) -> Surface {
+fn surface(asset: &Asset, model: &Model, solid: &Solid, points: &[DVec3]) -> Surface {
     let corner = |v: u32| DVec3::from(solid.mesh.vertices[v as usize]);
     let corners: Vec<[DVec3; 3]> = solid.mesh.triangles.iter().map(|triangle| triangle.map(corner)).collect();
     let reach = thin::reach(model);
     let density = asset.density.as_ref();
     Surface {
-        density: density.and_then(|density| density_error::measure((model, density), solid, points)),
+        density: density.and_then(|density| density_error::measure(model, density, solid, points)),
         errors: distance_error::measure(model, solid, points),
         signs: compare_signs(&solid.phi.mesh, &points_near_surface(&corners)),
         widths: thin::widths(solid, &thin::spread(&corners), reach),

@@ -33,7 +33,7 @@ pub enum Field {
 
 /// What a slice depends on beside the map.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Settings {
+pub struct SliceSettings {
     /// Where.
     pub plane: Plane,
     /// What.
@@ -66,7 +66,7 @@ pub struct NamedMesh<'a> {
 ///
 /// # Errors
 /// A plane outside the domain; the angle of normals without a mesh.
-pub fn slice(map: &VolumeMap, settings: &Settings, mesh: Option<NamedMesh>) -> Result<Slice, Error> {
+pub fn slice(map: &VolumeMap, settings: &SliceSettings, mesh: Option<NamedMesh>) -> Result<Slice, Error> {
     let lattice = lattice(map, settings)?;
     if settings.field == Field::Density && map.density_kernel().is_none() {
         return Err(Error::setting("--field density", "the asset has none; bake it with --density"));
@@ -112,7 +112,7 @@ pub fn slice(map: &VolumeMap, settings: &Settings, mesh: Option<NamedMesh>) -> R
 }
 
 /// The pixels of the plane, if it goes through the domain.
-fn lattice(map: &VolumeMap, settings: &Settings) -> Result<PixelLattice, Error> {
+fn lattice(map: &VolumeMap, settings: &SliceSettings) -> Result<PixelLattice, Error> {
     let (low, high) = (map.grid().origin, map.grid().max_corner());
     let Plane { axis, at } = settings.plane;
     let [from, to] = [low, high].map(|corner| corner[axis.index()]);
@@ -149,7 +149,7 @@ fn pixel(field: Field, sample: &Sample, point: DVec3, tree: Option<&Bvh>) -> Pix
     }
 }
 
-fn lines(raster: &Raster, distances: &[f64], settings: &Settings, mesh: Option<NamedMesh>) -> Vec<Line> {
+fn lines(raster: &Raster, distances: &[f64], settings: &SliceSettings, mesh: Option<NamedMesh>) -> Vec<Line> {
     let lattice = &raster.lattice;
     let value = |pixel: &Pixel| match pixel {
         Pixel::Value(x) => *x,

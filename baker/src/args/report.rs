@@ -5,7 +5,7 @@ use clap::Args;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use volmap_bake::parameters::Part;
-use volmap_report::report::Settings;
+use volmap_report::report::ReportSettings;
 use volmap_report::report::shape::Shape;
 
 #[derive(Debug, Args)]
@@ -31,19 +31,19 @@ pub struct ReportArguments {
     #[arg(long, value_parser = Shape::from_str, allow_hyphen_values = true)]
     shape: Option<Shape>,
     /// Random points of the band
-    #[arg(long, value_name = "N", default_value_t = Settings::default().points, value_parser = points)]
+    #[arg(long, value_name = "N", default_value_t = ReportSettings::default().points, value_parser = points)]
     points: usize,
     /// How many of them are compared with the mesh
-    #[arg(long, value_name = "N", default_value_t = Settings::default().mesh_points, value_parser = points_or_none)]
+    #[arg(long, value_name = "N", default_value_t = ReportSettings::default().mesh_points, value_parser = points_or_none)]
     mesh_points: usize,
     /// How many of them by order 100 on the exact distance too, about 20 ms each
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = points_or_none)]
     gl100_mesh_points: usize,
     /// Seed of the points
-    #[arg(long, value_name = "N", default_value_t = Settings::default().seed)]
+    #[arg(long, value_name = "N", default_value_t = ReportSettings::default().seed)]
     seed: u64,
     /// Pixels of the longest side of a slice, up to 2048; 0 makes no pictures
-    #[arg(long, value_name = "N", default_value_t = Settings::default().pixels, value_parser = pixels)]
+    #[arg(long, value_name = "N", default_value_t = ReportSettings::default().pixels, value_parser = pixels)]
     pixels: usize,
     /// Print the JSON Schema of the JSON file and exit
     #[arg(long)]
@@ -58,8 +58,8 @@ pub struct ReportArguments {
 
 impl ReportArguments {
     /// What is measured.
-    pub fn settings(&self) -> Settings {
-        Settings {
+    pub fn settings(&self) -> ReportSettings {
+        ReportSettings {
             points: self.points,
             mesh_points: self.mesh_points,
             gl100_mesh_points: self.gl100_mesh_points,

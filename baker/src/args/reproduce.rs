@@ -3,14 +3,14 @@
 use super::threads;
 use clap::Args;
 use std::path::PathBuf;
-use std::str::FromStr;
-use volmap_report::reproduce::Experiment;
+use volmap_report::experiments::choose;
+use volmap_report::reproduce::EXPERIMENTS;
 
 #[derive(Debug, Args)]
 pub struct ReproduceArguments {
     /// Experiments to run: duck, plane, dragon, density [default: all]
-    #[arg(value_name = "EXPERIMENT", value_parser = Experiment::from_str)]
-    experiments: Vec<Experiment>,
+    #[arg(value_name = "EXPERIMENT", value_parser = experiment)]
+    pub experiments: Vec<String>,
     /// List the experiments and exit
     #[arg(long)]
     pub list: bool,
@@ -28,10 +28,9 @@ pub struct ReproduceArguments {
     pub quiet: bool,
 }
 
-impl ReproduceArguments {
-    /// Which experiments, each once, in the paper's order.
-    pub fn experiments(&self) -> Vec<Experiment> {
-        let wanted = |one: &Experiment| self.experiments.is_empty() || self.experiments.contains(one);
-        Experiment::ALL.into_iter().filter(wanted).collect()
-    }
+/// A name that there is.
+fn experiment(text: &str) -> Result<String, String> {
+    let name = text.to_owned();
+    choose(EXPERIMENTS, std::slice::from_ref(&name))?;
+    Ok(name)
 }

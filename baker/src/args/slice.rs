@@ -4,7 +4,7 @@ use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use std::str::FromStr;
 use volmap_figures::picture::Plane;
-use volmap_report::slice::{Field, Settings};
+use volmap_report::slice::{Field, SliceSettings};
 
 #[derive(Debug, Args)]
 pub struct SliceArguments {
@@ -49,7 +49,7 @@ enum FieldName {
 
 impl SliceArguments {
     /// What is drawn.
-    pub fn settings(&self) -> Settings {
+    pub fn settings(&self) -> SliceSettings {
         let field = match self.field {
             FieldName::Volume => Field::Volume,
             FieldName::Density => Field::Density,
@@ -59,7 +59,12 @@ impl SliceArguments {
             FieldName::NormalZ => Field::Normal(2),
             FieldName::NormalAngle => Field::NormalAngle,
         };
-        Settings { plane: self.plane, field, pixels: self.pixels.into(), contours: self.contours.clone() }
+        SliceSettings {
+            plane: self.plane,
+            field,
+            pixels: self.pixels.into(),
+            contours: self.contours.clone(),
+        }
     }
 }
 

@@ -2,42 +2,42 @@
 
 use crate::args::reproduce::ReproduceArguments;
 use crate::progress::Progress;
-use anyhow::{Result, bail};
-use serde_json::json;
+use anyhow::{Error, Result, bail};
 use std::io::{self, Write};
 use volmap_bake::input::{self, InputSettings};
-use volmap_report::reproduce::{Experiment, Settings, reproduce, table};
+use volmap_formats::text::duration;
+use volmap_report::experiments::{choose, list, table, to_json};
+use volmap_report::reproduce::{EXPERIMENTS, ReproduceSettings};
 
 /// Runs experiments and prints their figures beside the paper's.
 pub fn run_reproduce(arguments: &ReproduceArguments) -> Result<()> {
     if arguments.list {
-        let mut out = io::stdout().lock();
-        for experiment in Experiment::ALL {
-            writeln!(out, "{:10} {}", experiment.name(), experiment.describe())?;
-        }
-        return Ok(());
+        return Ok(write!(io::stdout().lock(), "{}", list(EXPERIMENTS))?);
     }
-    let experiments = arguments.experiments();
+    let chosen = choose(EXPERIMENTS, &arguments.experiments).map_err(Error::msg)?;
     if let Some(threads) = arguments.threads {
         rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
     }
-    let mut settings = Settings::default();
+    let mut settings = ReproduceSettings::default();
     if let Some(path) = &arguments.dragon {
-        if !experiments.contains(&Experiment::Dragon) {
+        if !chosen.iter().any(|experiment| experiment.name == "dragon") {
             bail!("--dragon: is for the experiment dragon, which isn't asked for");
         }
         settings.dragon.mesh = Some(input::load(path, &InputSettings::default())?);
     }
     let mut progress = Progress::new(arguments.quiet);
-    let mut outcomes = Vec::new();
-    for experiment in experiments {
-        outcomes.push(reproduce(experiment, &settings, &mut |step| progress.reproduce(step))?);
+    let mut finished = Vec::new();
+    for experiment in chosen {
+        finished.push(experiment.finish(|run| run(&settings, &mut |step| progress.reproduce(step)))?);
     }
     progress.finish();
     let mut out = io::stdout().lock();
-    match arguments.json {
-        true => writeln!(out, "{:#}", json!({ "outcomes": outcomes, "version": env!("CARGO_PKG_VERSION") }))?,
-        false => write!(out, "{}", table::to_text(&outcomes))?,
+    if arguments.json {
+        return Ok(writeln!(out, "{:#}", to_json(env!("CARGO_PKG_VERSION"), false, &finished))?);
+    }
+    for one in &finished {
+        let (name, time) = (format!("{}: {}", one.name, one.title), duration(one.seconds));
+        writeln!(out, "{}  {time}\n", table::to_text(&name, &one.outcome))?;
     }
     Ok(())
 }

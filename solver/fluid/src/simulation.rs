@@ -21,6 +21,7 @@ use crate::strays;
 use crate::time_step::{time_step, viscous_limit};
 use crate::viscosity::{ViscousSolver, ViscousSystem};
 use rayon::prelude::*;
+use volmap_formats::text::number;
 use volmap_runtime::DVec3;
 
 /// What a simulation begins with. Numbers must be finite and in range: see `volmap_scenes`.
@@ -209,10 +210,12 @@ impl Simulation {
         let way = max_speed * smallest;
         if way.is_nan() || way > self.world.support_radius {
             return Err(self.stopped(format!(
-                "the largest speed is {max_speed:.3e} m/s: a particle crosses the support radius of {} m in the smallest \
-                 time step, {smallest:e} s; allow smaller steps (solver.time_step), or look for fluid that begins in a \
+                "the largest speed is {} m/s: a particle crosses the support radius of {} m in the smallest time step, {} s; \
+                 allow smaller steps (solver.time_step), or look for fluid that begins in a \
                  body or on top of other fluid",
-                self.world.support_radius
+                number(max_speed),
+                self.world.support_radius,
+                number(smallest)
             )));
         }
         let first = self.step == 0 && settings.adaptive;

@@ -8,7 +8,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
-use volmap_formats::text::thousands;
+use volmap_formats::text::{duration, number, percent, thousands};
 use volmap_scenes::output::statistics::Summary;
 use volmap_scenes::session::{Progress, RunSettings, Session};
 
@@ -126,32 +126,24 @@ impl Line {
     }
 }
 
-fn duration(seconds: f64) -> String {
-    match seconds.round() as u64 {
-        s @ 0..60 => format!("{s} s"),
-        s @ 60..3600 => format!("{} min {} s", s / 60, s % 60),
-        s => format!("{} h {} min", s / 3600, s % 3600 / 60),
-    }
-}
-
 fn print(summary: &Summary, folder: &Path) {
     println!(
-        "simulated  {:.4} s in {} steps, {}, {} particles",
-        summary.simulated_seconds,
+        "simulated  {} s in {} steps, {}, {} particles",
+        number(summary.simulated_seconds),
         thousands(summary.steps),
         duration(summary.wall_seconds),
         thousands(summary.particles)
     );
     println!(
-        "step       {:.1} ms, {:.1} + {:.1} iterations, density error {:.4} % (means); {:.2} million particle steps a second",
-        summary.step_ms.mean,
+        "step       {} ms, {:.1} + {:.1} iterations, density error {} (means); {} million particle steps a second",
+        number(summary.step_ms.mean),
         summary.density_iterations.mean,
         summary.divergence_iterations.mean,
-        100.0 * summary.density_error.mean,
-        1e-6 * summary.particle_steps_per_second
+        percent(summary.density_error.mean),
+        number(1e-6 * summary.particle_steps_per_second)
     );
     let stages: Vec<String> =
-        summary.stages_ms.iter().map(|(name, spread)| format!("{name} {:.2}", spread.mean)).collect();
+        summary.stages_ms.iter().map(|(name, spread)| format!("{name} {}", number(spread.mean))).collect();
     println!("stages     {} ms", stages.join(", "));
     if summary.emitted + summary.removed + summary.brought_back > 0 {
         println!(

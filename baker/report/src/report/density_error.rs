@@ -16,41 +16,51 @@ pub const POINTS: usize = 200;
 
 /// Errors in rest densities at the first of the points that have a density; none if the kernel is not known.
 pub fn measure(
-    (model, density): (&Model, &DensityField),
+    model: &Model,
+    density: &DensityField,
     solid: &Solid,
     points: &[DVec3],
 ) -> Option<Vec<Measurement>> {
     let kernel = density.kernel.parse().ok()?;
     let settings = DensitySettings { kernel, rule: PAPER_RULE, extension: 1.0 };
     let rule = along_curve(settings.points());
+    let integral =
+        Integral { solid, rule: &rule, radius: model.radius, extension_length: density.extension_length };
     let known: Vec<(DVec3, f64)> =
         points.iter().filter_map(|&x| Some((x, model.map.density(x)?.value))).take(POINTS).collect();
     let error = |near: &mut Neighbours, &(point, value): &(DVec3, f64)| Measurement {
         point,
         distance: model.map.values(point).distance,
         value,
-        reference: integral(solid, &rule, (model.radius, density.extension_length), point, near),
+        reference: integral.at(point, near),
     };
     Some(known.par_iter().map_init(Neighbours::default, error).collect())
 }
 
-/// Eq. 9, its points in groups that lie close together; the weights hold W.
-fn integral(
-    solid: &Solid,
-    rule: &[Point],
-    (radius, length): (f64, f64),
-    x: DVec3,
-    near: &mut Neighbours,
-) -> f64 {
-    let mut sum = 0.0;
-    for points in rule.chunks(Neighbours::MAX) {
-        let mut places = [x; Neighbours::MAX];
-        places.iter_mut().zip(points).for_each(|(place, point)| *place += radius * point.position);
-        let places = &places[..points.len()];
-        solid.phi.prepare(places, near, true);
-        for ((point, place), known) in points.iter().zip(places).zip(&mut near.known) {
-            sum += point.weight * extension(solid.phi.near(*place, known), length);
+/// Eq. 9 on the exact distance; the weights of the rule hold W.
+struct Integral<'a> {
+    solid: &'a Solid,
+    rule: &'a [Point],
+    /// Support radius, metres.
+    radius: f64,
+    /// Distance from the surface over which the density fades out, metres.
+    extension_length: f64,
+}
+
+impl Integral<'_> {
+    /// At a point: its places in groups that lie close together.
+    fn at(&self, x: DVec3, near: &mut Neighbours) -> f64 {
+        let mut sum = 0.0;
+        for points in self.rule.chunks(Neighbours::MAX) {
+            let mut places = [x; Neighbours::MAX];
+            places.iter_mut().zip(points).for_each(|(place, point)| *place += self.radius * point.position);
+            let places = &places[..points.len()];
+            self.solid.phi.prepare(places, near, true);
+            for ((point, place), known) in points.iter().zip(places).zip(&mut near.known) {
+                let distance = self.solid.phi.near(*place, known);
+                sum += point.weight * extension(distance, self.extension_length);
+            }
         }
+        sum
     }
-    sum
 }

@@ -4,8 +4,8 @@ use super::reference::{FINE_RULE, PAPER_RULE, Reference};
 use super::slices::ErrorSlice;
 use super::statistics::{DistanceBin, HistogramBar, Measurement, Statistics, by_distance, histogram};
 use super::thin::{self, Thin, Width};
-use super::volume_error::{Part, VolumeSample};
-use super::{Measured, Settings, Surface};
+use super::volume_error::{ErrorPart, VolumeSample};
+use super::{Measured, ReportSettings, Surface};
 use crate::info;
 use glam::DVec3;
 use schemars::JsonSchema;
@@ -169,7 +169,7 @@ pub struct VolumeErrors {
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct PartErrors {
     /// Which.
-    pub part: Part,
+    pub part: ErrorPart,
     /// In words.
     pub description: String,
     /// As parts of the full ball, in the whole band.
@@ -221,7 +221,7 @@ pub struct ThinPlaces {
     pub points: usize,
     /// Longest edge of the cells, metres.
     pub cell: f64,
-    /// Part of the surface by kind.
+    /// ErrorPart of the surface by kind.
     pub kinds: Vec<ThinKind>,
     /// Thinnest walls.
     pub walls: Vec<Width>,
@@ -229,14 +229,14 @@ pub struct ThinPlaces {
     pub gaps: Vec<Width>,
 }
 
-/// Part of the surface of one kind.
+/// ErrorPart of the surface of one kind.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct ThinKind {
     /// Which.
     pub kind: Thin,
     /// In words.
     pub description: String,
-    /// Part of the surface, 0 to 1.
+    /// ErrorPart of the surface, 0 to 1.
     pub part: f64,
 }
 
@@ -277,7 +277,7 @@ fn against(samples: &[VolumeSample], reference: Reference) -> Vec<Measurement> {
 }
 
 /// Sums up what was measured.
-pub fn findings(measured: &Measured, settings: &Settings, slices: &[ErrorSlice]) -> Findings {
+pub fn findings(measured: &Measured, settings: &ReportSettings, slices: &[ErrorSlice]) -> Findings {
     let (ball, radius) = (measured.model.ball, measured.model.radius);
     let reference = best_reference(&measured.volumes);
     let best = against(&measured.volumes, reference);
@@ -382,7 +382,7 @@ fn volume_errors(samples: &[VolumeSample], ball: f64) -> Vec<VolumeErrors> {
 }
 
 fn part_errors(samples: &[VolumeSample], ball: f64) -> Vec<PartErrors> {
-    let errors = |part: Part| {
+    let errors = |part: ErrorPart| {
         let measurement = |sample: &VolumeSample| {
             let error = part.of(sample.parts.as_ref()?)?;
             let VolumeSample { point, distance, .. } = *sample;
@@ -392,7 +392,7 @@ fn part_errors(samples: &[VolumeSample], ball: f64) -> Vec<PartErrors> {
         let fraction = Statistics::of(all.iter(), ball);
         (fraction.count > 0).then(|| PartErrors { part, description: part.describe().into(), fraction })
     };
-    Part::ALL.into_iter().filter_map(errors).collect()
+    ErrorPart::ALL.into_iter().filter_map(errors).collect()
 }
 
 fn density_errors(measured: &Measured, surface: &Surface) -> Option<DensityErrors> {

@@ -54,15 +54,14 @@ pub fn slices(
     }
     let work = begin(lattices.iter().map(|(lattice, _)| lattice.len() as u64).sum());
     let own = OwnIntegrals::new(model);
-    lattices.into_iter().map(|(lattice, through)| slice(model, &own, lattice, (through, &work))).collect()
+    let slice = |(lattice, through_worst)| {
+        let slice = slice(model, &own, lattice, &work);
+        ErrorSlice { through_worst, ..slice }
+    };
+    lattices.into_iter().map(slice).collect()
 }
 
-fn slice(
-    model: &Model,
-    own: &OwnIntegrals,
-    lattice: PixelLattice,
-    (through_worst, work): (bool, &Work),
-) -> ErrorSlice {
+fn slice(model: &Model, own: &OwnIntegrals, lattice: PixelLattice, work: &Work) -> ErrorSlice {
     let rows: Vec<Vec<PixelValues>> =
         (0..lattice.size[1]).into_par_iter().map(|j| row(&model.map, &lattice, j)).collect();
     let all = rows.concat();
@@ -91,7 +90,7 @@ fn slice(
         volume,
         error,
         distance: all.iter().map(|pixel| pixel.distance).collect(),
-        through_worst,
+        through_worst: false,
     }
 }
 

@@ -25,7 +25,7 @@ use volmap_runtime::layout::serendipity::{node, shape};
 
 /// The parts of an error, m^3, signed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Parts {
+pub struct ErrorParts {
     /// Because Phi is a polynomial on each cell.
     pub interpolation_of_distance: Option<f64>,
     /// Because the rule is what it is.
@@ -39,39 +39,44 @@ pub struct Parts {
 /// Names of the parts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
-pub enum Part {
-    /// See [`Parts`].
+#[schemars(rename = "Part")]
+pub enum ErrorPart {
+    /// See [`ErrorParts`].
     InterpolationOfDistance,
-    /// See [`Parts`].
+    /// See [`ErrorParts`].
     Quadrature,
-    /// See [`Parts`].
+    /// See [`ErrorParts`].
     InterpolationOfVolume,
-    /// See [`Parts`].
+    /// See [`ErrorParts`].
     Storage,
 }
 
-impl Part {
+impl ErrorPart {
     /// In the order of the steps.
-    pub const ALL: [Part; 4] =
-        [Part::InterpolationOfDistance, Part::Quadrature, Part::InterpolationOfVolume, Part::Storage];
+    pub const ALL: [ErrorPart; 4] = [
+        ErrorPart::InterpolationOfDistance,
+        ErrorPart::Quadrature,
+        ErrorPart::InterpolationOfVolume,
+        ErrorPart::Storage,
+    ];
 
     /// In words.
     pub fn describe(self) -> &'static str {
         match self {
-            Part::InterpolationOfDistance => "interpolation of the distance",
-            Part::Quadrature => "quadrature",
-            Part::InterpolationOfVolume => "interpolation of the volume",
-            Part::Storage => "precision and rounding of what is stored",
+            ErrorPart::InterpolationOfDistance => "interpolation of the distance",
+            ErrorPart::Quadrature => "quadrature",
+            ErrorPart::InterpolationOfVolume => "interpolation of the volume",
+            ErrorPart::Storage => "precision and rounding of what is stored",
         }
     }
 
     /// Of all parts.
-    pub fn of(self, parts: &Parts) -> Option<f64> {
+    pub fn of(self, parts: &ErrorParts) -> Option<f64> {
         match self {
-            Part::InterpolationOfDistance => parts.interpolation_of_distance,
-            Part::Quadrature => Some(parts.quadrature),
-            Part::InterpolationOfVolume => Some(parts.interpolation_of_volume),
-            Part::Storage => Some(parts.storage),
+            ErrorPart::InterpolationOfDistance => parts.interpolation_of_distance,
+            ErrorPart::Quadrature => Some(parts.quadrature),
+            ErrorPart::InterpolationOfVolume => Some(parts.interpolation_of_volume),
+            ErrorPart::Storage => Some(parts.storage),
         }
     }
 }
@@ -87,8 +92,8 @@ pub struct VolumeSample {
     pub volume: f64,
     /// By the order of [`Reference::ALL`], where it was computed.
     pub references: [Option<f64>; Reference::ALL.len()],
-    /// Parts, where they are known.
-    pub parts: Option<Parts>,
+    /// ErrorParts, where they are known.
+    pub parts: Option<ErrorParts>,
 }
 
 /// What to measure.
@@ -107,73 +112,88 @@ pub struct Measuring<'a> {
 
 /// Measures at the points; each counts as work.
 pub fn measure(measuring: &Measuring, points: &[DVec3], work: &Work) -> Vec<VolumeSample> {
-    let own = OwnIntegrals::new(measuring.model);
-    let exact = measuring.solid.map(|solid| ExactIntegrals::new(solid, measuring.model.radius));
-    let sample = |(block, near): &mut (Block, Neighbours), (number, x): (usize, &DVec3)| {
-        let sample = sample(measuring, &own, exact.as_ref(), (number, *x), (block, near));
+    let sampler = Sampler {
+        measuring,
+        own: OwnIntegrals::new(measuring.model),
+        exact: measuring.solid.map(|solid| ExactIntegrals::new(solid, measuring.model.radius)),
+    };
+    let sample = |scratch: &mut Scratch, (number, x): (usize, &DVec3)| {
+        let sample = sampler.sample(number, *x, scratch);
         work.add(1);
         sample
     };
     // In small tasks: the first points, which are compared with the mesh, take much longer.
     let tasks = points.par_iter().enumerate().with_max_len(16);
-    tasks.map_init(Default::default, sample).collect()
+    tasks.map_init(Scratch::default, sample).collect()
 }
 
-fn sample(
-    measuring: &Measuring,
-    own: &OwnIntegrals,
-    exact: Option<&ExactIntegrals>,
-    (number, x): (usize, DVec3),
-    (block, near): (&mut Block, &mut Neighbours),
-) -> VolumeSample {
-    let model = measuring.model;
-    let found = model.map.values(x);
-    let [paper, fine] = own.both(x, block);
-    let exact = exact.filter(|_| number < measuring.mesh_points);
-    let fine_mesh = exact.map(|exact| exact.fine(x, near));
-    let paper_mesh = exact.filter(|_| number < measuring.gl100_mesh_points).map(|exact| exact.paper(x, near));
-    let shape = measuring.shape.map(|shape| shape_volume(&shape, model.radius, x));
-    let parts = (number < measuring.mesh_points)
-        .then(|| parts(model, own, (x, found.volume), [Some(fine), fine_mesh], block))
-        .flatten();
-    VolumeSample {
-        point: x,
-        distance: found.distance,
-        volume: found.volume,
-        references: [Some(paper), Some(fine), paper_mesh, fine_mesh, shape],
-        parts,
-    }
+/// Memory of a thread for one integral after the other.
+#[derive(Default)]
+struct Scratch {
+    block: Block,
+    near: Neighbours,
 }
 
-/// None where the rule is not known, or the domain cuts what the nodes around the point see.
-fn parts(
-    model: &Model,
-    own: &OwnIntegrals,
-    (x, stored): (DVec3, f64),
-    [fine, fine_mesh]: [Option<f64>; 2],
-    block: &mut Block,
-) -> Option<Parts> {
-    let grid = &model.field.grid;
-    let at = grid.locate(x)?;
-    let corner = grid.cell_corner(at.cell);
-    let (low, high) = (corner - model.radius, corner + grid.cell_size + model.radius);
-    if !own.knows(low, high) {
-        return None;
+/// The integrals that samples are compared with.
+struct Sampler<'a> {
+    measuring: &'a Measuring<'a>,
+    own: OwnIntegrals<'a>,
+    exact: Option<ExactIntegrals<'a>>,
+}
+
+impl Sampler<'_> {
+    /// The point of this number.
+    fn sample(&self, number: usize, x: DVec3, scratch: &mut Scratch) -> VolumeSample {
+        let (measuring, model) = (self.measuring, self.measuring.model);
+        let found = model.map.values(x);
+        let [paper, fine] = self.own.both(x, &mut scratch.block);
+        let with_mesh = number < measuring.mesh_points;
+        let exact = self.exact.as_ref().filter(|_| with_mesh);
+        let fine_mesh = exact.map(|exact| exact.fine(x, &mut scratch.near));
+        let paper_mesh = exact
+            .filter(|_| number < measuring.gl100_mesh_points)
+            .map(|exact| exact.paper(x, &mut scratch.near));
+        let shape = measuring.shape.map(|shape| shape_volume(&shape, model.radius, x));
+        let mut sample = VolumeSample {
+            point: x,
+            distance: found.distance,
+            volume: found.volume,
+            references: [Some(paper), Some(fine), paper_mesh, fine_mesh, shape],
+            parts: None,
+        };
+        if with_mesh {
+            sample.parts = self.parts(&sample, &mut scratch.block);
+        }
+        sample
     }
-    let quadrature = own.own(x, block)?;
-    let weights = shape(at.xi);
-    let mut interpolated = 0.0;
-    for (a, weight) in weights.into_iter().enumerate() {
-        let place = corner + 0.5 * (node(a) + 1.0) * grid.cell_size;
-        interpolated += weight * own.own(place, block)?;
+
+    /// None where the rule is not known, or the domain cuts what the nodes around the point see.
+    fn parts(&self, sample: &VolumeSample, block: &mut Block) -> Option<ErrorParts> {
+        let (model, x) = (self.measuring.model, sample.point);
+        let grid = &model.field.grid;
+        let at = grid.locate(x)?;
+        let corner = grid.cell_corner(at.cell);
+        let (low, high) = (corner - model.radius, corner + grid.cell_size + model.radius);
+        if !self.own.knows(low, high) {
+            return None;
+        }
+        let quadrature = self.own.own(x, block)?;
+        let weights = shape(at.xi);
+        let mut interpolated = 0.0;
+        for (a, weight) in weights.into_iter().enumerate() {
+            let place = corner + 0.5 * (node(a) + 1.0) * grid.cell_size;
+            interpolated += weight * self.own.own(place, block)?;
+        }
+        let [fine, fine_mesh] =
+            [Reference::FineOwn, Reference::FineMesh].map(|reference| sample.references[reference as usize]);
+        let fine = fine?;
+        Some(ErrorParts {
+            interpolation_of_distance: fine_mesh.map(|exact| fine - exact),
+            quadrature: quadrature - fine,
+            interpolation_of_volume: interpolated - quadrature,
+            storage: sample.volume - interpolated,
+        })
     }
-    let fine = fine?;
-    Some(Parts {
-        interpolation_of_distance: fine_mesh.map(|exact| fine - exact),
-        quadrature: quadrature - fine,
-        interpolation_of_volume: interpolated - quadrature,
-        storage: stored - interpolated,
-    })
 }
 
 impl VolumeSample {

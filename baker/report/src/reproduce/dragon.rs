@@ -4,15 +4,16 @@
 //! The paper's bytes are those of its program: per field 8 a node, 132 a cell. (Its other figures are binary
 //! megabytes of these to 0.1 %: [`paper_bytes`].)
 
-use super::{Found, MIB, Row, Step, baked};
+use super::{ExperimentStep, MIB, baked, missing, outcome, row};
 use crate::error::Error;
+use crate::experiments::Outcome;
 use volmap_bake::density_map::cost::paper_bytes;
 use volmap_bake::input::Input;
 use volmap_bake::plan::{GridChoice, Settings as MapSettings};
 
 /// What is measured.
 #[derive(Clone, Debug)]
-pub struct Settings {
+pub struct DragonSettings {
     /// The dragon, which is not ours to ship.
     pub mesh: Option<Input>,
     /// Cells along each axis.
@@ -21,9 +22,9 @@ pub struct Settings {
     pub radius: f64,
 }
 
-impl Default for Settings {
-    fn default() -> Settings {
-        Settings { mesh: None, cells: [60, 40, 40], radius: 0.1 }
+impl Default for DragonSettings {
+    fn default() -> DragonSettings {
+        DragonSettings { mesh: None, cells: [60, 40, 40], radius: 0.1 }
     }
 }
 
@@ -41,14 +42,14 @@ struct Bytes {
 /// Runs the experiment; without a mesh only what doesn't need it.
 ///
 /// # Errors
-/// Settings or a mesh that can't be used.
-pub fn measure(settings: &Settings, enter: &mut dyn FnMut(Step)) -> Result<Found, Error> {
+/// DragonSettings or a mesh that can't be used.
+pub fn measure(settings: &DragonSettings, enter: &mut dyn FnMut(ExperimentStep)) -> Result<Outcome, Error> {
     let [x, y, z] = settings.cells;
     let r = settings.radius;
     let mib = |bytes: u64| bytes as f64 / MIB;
     let dense = mib(paper_bytes(settings.cells));
     let mut rows =
-        vec![Row::new(format!("dense, {x} x {y} x {z} cells, the paper's layout"), "MiB", Some(35.7), dense)];
+        vec![row(format!("dense, {x} x {y} x {z} cells, the paper's layout"), "MiB", Some(35.7), dense)];
     let names = [
         "sparse, the paper's layout, box grown by 8 r",
         "sparse, the paper's layout, box grown by 2 r",
@@ -59,11 +60,11 @@ pub fn measure(settings: &Settings, enter: &mut dyn FnMut(Step)) -> Result<Found
     ];
     let Some(mesh) = &settings.mesh else {
         let remark = "needs the mesh: --dragon FILE";
-        rows.push(Row::missing("sparse", "MiB", Some(6.4), remark));
-        rows.push(Row::missing("dense over sparse", "", Some(5.5), remark));
-        return Ok((rows, assumed(r, None)));
+        rows.push(missing("sparse", "MiB", Some(6.4), remark));
+        rows.push(missing("dense over sparse", "", Some(5.5), remark));
+        return Ok(outcome(rows, assumed(r, None)));
     };
-    enter(Step { name: "baking the dragon", work: None });
+    enter(ExperimentStep { name: "baking the dragon", work: None });
     let [wide, narrow] = [bytes(mesh, settings, 6.0 * r)?, bytes(mesh, settings, 0.0)?];
     let figures = [
         (Some(6.4), mib(wide.paper_sparse), "MiB"),
@@ -74,9 +75,9 @@ pub fn measure(settings: &Settings, enter: &mut dyn FnMut(Step)) -> Result<Found
         (None, mib(narrow.dense), "MiB"),
     ];
     rows.extend(
-        names.into_iter().zip(figures).map(|(name, (paper, ours, unit))| Row::new(name, unit, paper, ours)),
+        names.into_iter().zip(figures).map(|(name, (paper, ours, unit))| row(name, unit, paper, ours)),
     );
-    Ok((rows, assumed(r, Some(mesh))))
+    Ok(outcome(rows, assumed(r, Some(mesh))))
 }
 
 fn assumed(radius: f64, mesh: Option<&Input>) -> Vec<String> {
@@ -97,7 +98,7 @@ fn assumed(radius: f64, mesh: Option<&Input>) -> Vec<String> {
     out
 }
 
-fn bytes(mesh: &Input, settings: &Settings, padding: f64) -> Result<Bytes, Error> {
+fn bytes(mesh: &Input, settings: &DragonSettings, padding: f64) -> Result<Bytes, Error> {
     let map = MapSettings {
         support_radius: Some(settings.radius),
         grid: GridChoice::Resolution(settings.cells),
@@ -118,11 +119,11 @@ mod tests {
 
     #[test]
     fn without_the_mesh_only_what_needs_none_is_told() {
-        let (rows, _) = measure(&Settings::default(), &mut |_| ()).unwrap();
+        let Outcome { rows, .. } = measure(&DragonSettings::default(), &mut |_| ()).unwrap();
         let [dense, sparse, factor] = &rows[..] else { panic!("{rows:?}") };
-        assert!((dense.ratio.unwrap() - 1.0).abs() < 0.03, "{dense:?}");
+        assert!((dense.ratio().unwrap() - 1.0).abs() < 0.03, "{dense:?}");
         for row in [sparse, factor] {
-            assert_eq!((row.ours, row.ratio), (None, None));
+            assert!(row.measured.is_nan() && row.ratio().is_none());
             assert!(row.remark.as_ref().unwrap().contains("--dragon"));
         }
     }
@@ -130,16 +131,16 @@ mod tests {
     /// A cube whose band is known: cells of 0.1 m, of which all but the innermost are within 2 r = 0.2 m.
     #[test]
     fn bytes_are_those_of_the_cells_within_two_radii() {
-        let settings = Settings { mesh: None, cells: [14; 3], radius: 0.1 };
+        let settings = DragonSettings { mesh: None, cells: [14; 3], radius: 0.1 };
         let cube = made(unit_cube(), "cube");
         let found = bytes(&cube, &settings, 0.0).unwrap();
         let dense = paper_bytes([14; 3]);
         // Outer cells at the cube's edges are farther away than 2 r.
         assert!(found.paper_sparse > dense * 8 / 10 && found.paper_sparse < dense, "{found:?} of {dense}");
         assert!(found.sparse < found.dense && found.dense < dense / 4, "{found:?}");
-        let all = Settings { mesh: Some(cube), ..settings };
-        let (rows, _) = measure(&all, &mut |_| ()).unwrap();
+        let all = DragonSettings { mesh: Some(cube), ..settings };
+        let Outcome { rows, .. } = measure(&all, &mut |_| ()).unwrap();
         assert_eq!(rows.len(), 7);
-        assert!(rows[1].ours < rows[2].ours && rows[4].ours < rows[5].ours, "{rows:?}");
+        assert!(rows[1].measured < rows[2].measured && rows[4].measured < rows[5].measured, "{rows:?}");
     }
 }

@@ -1,8 +1,9 @@
 //! Section 5 and Fig. 6 of Bender et al. 2020: "The maximum volume error in this experiment was 0.000012 m^3" on a
 //! slice of a duck's map of 20^3 cells, against Eq. 12 by order 100 on the same discretised distance.
 
-use super::{Found, Row, Step, baked};
+use super::{ExperimentStep, baked, missing, outcome, row};
 use crate::error::Error;
+use crate::experiments::Outcome;
 use crate::report::model::{Model, Solid};
 use crate::report::reference::Reference;
 use crate::report::samples::band_points;
@@ -15,6 +16,7 @@ use volmap_bake::plan::{GridChoice, Settings as MapSettings};
 use volmap_bake::volume_map::quadrature::Rule;
 use volmap_bake::work::Work;
 use volmap_formats::asset::Asset;
+use volmap_formats::text::number;
 
 /// In the program, so that an installed one has it.
 const DUCK: &[u8] = include_bytes!("../../../../data/duck.obj");
@@ -25,7 +27,7 @@ const PAPER_ERROR: f64 = 1.2e-5;
 
 /// What is measured.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Settings {
+pub struct DuckSettings {
     /// Cells along each axis.
     pub cells: u32,
     /// Support radius, metres.
@@ -42,9 +44,9 @@ pub struct Settings {
     pub most_cells: u32,
 }
 
-impl Default for Settings {
-    fn default() -> Settings {
-        Settings {
+impl Default for DuckSettings {
+    fn default() -> DuckSettings {
+        DuckSettings {
             cells: 20,
             radius: 0.04,
             pixels: 192,
@@ -68,8 +70,8 @@ pub struct Errors {
 /// Runs the experiment.
 ///
 /// # Errors
-/// Settings that can't be used.
-pub fn measure(settings: &Settings, enter: &mut dyn FnMut(Step)) -> Result<Found, Error> {
+/// DuckSettings that can't be used.
+pub fn measure(settings: &DuckSettings, enter: &mut dyn FnMut(ExperimentStep)) -> Result<Outcome, Error> {
     let duck = from_bytes(Path::new("duck.obj"), DUCK, &InputSettings::default())?;
     let default = Rule::default();
     let mut errors = |cells, rule| {
@@ -79,7 +81,7 @@ pub fn measure(settings: &Settings, enter: &mut dyn FnMut(Step)) -> Result<Found
     let n = settings.cells;
     let (paper, ours) = (errors(n, PAPER_RULE)?, errors(n, default)?);
     let found = search(n, settings.most_cells, settings.target, &mut |cells| errors(cells, default))?;
-    let largest = |name: String, paper, ours| Row::new(name, "m^3", paper, ours);
+    let largest = |name: String, paper, ours| row(name, "m^3", paper, ours);
     let mut rows = vec![
         largest(
             format!("largest error on slices, {n}^3 cells, {PAPER_RULE}"),
@@ -93,7 +95,7 @@ pub fn measure(settings: &Settings, enter: &mut dyn FnMut(Step)) -> Result<Found
     let target = number(settings.target);
     match found {
         Some((cells, error)) => {
-            rows.push(Row::new(
+            rows.push(row(
                 format!("cells a side for {target} m^3 anywhere, {default}"),
                 "",
                 None,
@@ -103,7 +105,7 @@ pub fn measure(settings: &Settings, enter: &mut dyn FnMut(Step)) -> Result<Found
             rows.push(largest(name(default), None, error.anywhere));
             rows.push(largest(name(PAPER_RULE), None, errors(cells, PAPER_RULE)?.anywhere));
         }
-        None => rows.push(Row::missing(
+        None => rows.push(missing(
             format!("cells a side for {target} m^3 anywhere, {default}"),
             "",
             None,
@@ -116,10 +118,10 @@ pub fn measure(settings: &Settings, enter: &mut dyn FnMut(Step)) -> Result<Found
         None,
         exact,
     ));
-    Ok((rows, assumed(settings)))
+    Ok(outcome(rows, assumed(settings)))
 }
 
-fn assumed(settings: &Settings) -> Vec<String> {
+fn assumed(settings: &DuckSettings) -> Vec<String> {
     vec![
         format!(
             "support radius {} m, four particle radii of the next experiment: the paper gives none for Fig. 6",
@@ -138,11 +140,7 @@ fn assumed(settings: &Settings) -> Vec<String> {
     ]
 }
 
-fn number(x: f64) -> String {
-    format!("{x:.1e}")
-}
-
-fn bake(duck: &Input, settings: &Settings, cells: u32, rule: Rule) -> Result<Asset, Error> {
+fn bake(duck: &Input, settings: &DuckSettings, cells: u32, rule: Rule) -> Result<Asset, Error> {
     let map = MapSettings {
         support_radius: Some(settings.radius),
         grid: GridChoice::Resolution([cells; 3]),
@@ -152,13 +150,17 @@ fn bake(duck: &Input, settings: &Settings, cells: u32, rule: Rule) -> Result<Ass
     Ok(baked(duck.clone(), map)?.asset)
 }
 
-fn errors(asset: &Asset, settings: &Settings, enter: &mut dyn FnMut(Step)) -> Result<Errors, Error> {
+fn errors(
+    asset: &Asset,
+    settings: &DuckSettings,
+    enter: &mut dyn FnMut(ExperimentStep),
+) -> Result<Errors, Error> {
     let model = Model::new(asset)?;
     let samples = samples(&model, None, settings.points, enter);
     let worst = worst(&samples, Reference::Gl100Own);
     let slices = slices(&model, worst.map(|worst| worst.0), settings.pixels, &mut |total| {
         let work = Work::new(total);
-        enter(Step { name: "integrating at pixels", work: Some(work.clone()) });
+        enter(ExperimentStep { name: "integrating at pixels", work: Some(work.clone()) });
         work
     });
     let pixels = |worst: bool| {
@@ -173,13 +175,13 @@ fn samples(
     model: &Model,
     solid: Option<&Solid>,
     points: usize,
-    enter: &mut dyn FnMut(Step),
+    enter: &mut dyn FnMut(ExperimentStep),
 ) -> Vec<VolumeSample> {
     let points = band_points(&model.field.grid, &model.cells.band, points, 1);
     let mesh_points = if solid.is_some() { points.len() } else { 0 };
     let measuring = Measuring { model, solid, shape: None, gl100_mesh_points: 0, mesh_points };
     let work = Work::new(points.len() as u64);
-    enter(Step { name: "integrating at random points", work: Some(work.clone()) });
+    enter(ExperimentStep { name: "integrating at random points", work: Some(work.clone()) });
     measure_points(&measuring, &points, &work)
 }
 
@@ -192,8 +194,8 @@ fn worst(samples: &[VolumeSample], reference: Reference) -> Option<(DVec3, f64)>
 fn against_mesh(
     asset: &Asset,
     duck: Input,
-    settings: &Settings,
-    enter: &mut dyn FnMut(Step),
+    settings: &DuckSettings,
+    enter: &mut dyn FnMut(ExperimentStep),
 ) -> Result<f64, Error> {
     let model = Model::new(asset)?;
     let solid = Solid::new(asset, duck)?;
@@ -253,28 +255,28 @@ mod tests {
     /// Reduced: few pixels and points, and a target that cells of a duck's tenth keep.
     #[test]
     fn the_duck_is_as_exact_as_the_papers() {
-        let settings = Settings {
+        let settings = DuckSettings {
             pixels: 32,
             points: 300,
             mesh_points: 50,
             target: 8e-6,
             most_cells: 40,
-            ..Settings::default()
+            ..DuckSettings::default()
         };
-        let (rows, assumed) = measure(&settings, &mut |_| ()).unwrap();
+        let Outcome { rows, notes, .. } = measure(&settings, &mut |_| ()).unwrap();
         let ours = |part: &str| {
             let row = rows.iter().find(|row| row.quantity.contains(part)).unwrap_or_else(|| panic!("{part}"));
-            row.ours.unwrap()
+            row.measured
         };
         let ball = 4.0 / 3.0 * std::f64::consts::PI * settings.radius.powi(3);
         for row in &rows[..4] {
-            assert!((0.002 * ball..0.2 * ball).contains(&row.ours.unwrap()), "{row:?}");
+            assert!((0.002 * ball..0.2 * ball).contains(&row.measured), "{row:?}");
         }
         assert_eq!((rows[0].paper, rows[1].paper), (Some(PAPER_ERROR), Some(PAPER_ERROR)));
-        assert!((rows[0].ratio.unwrap() * PAPER_ERROR - rows[0].ours.unwrap()).abs() < 1e-20);
+        assert!((rows[0].ratio().unwrap() * PAPER_ERROR - rows[0].measured).abs() < 1e-20);
         let cells = ours("cells a side");
-        assert!(cells > 20.0 && cells <= 40.0 && rows[5].ours.unwrap() <= settings.target, "{rows:?}");
+        assert!(cells > 20.0 && cells <= 40.0 && rows[5].measured <= settings.target, "{rows:?}");
         assert!(ours("exact distance") > 0.005 * ball, "{rows:?}");
-        assert!(assumed.iter().any(|line| line.contains("0.04 m")));
+        assert!(notes.iter().any(|line| line.contains("0.04 m")));
     }
 }

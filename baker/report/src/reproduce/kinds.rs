@@ -1,13 +1,14 @@
 //! Section 6 of Bender et al. 2020, after Fig. 10: a density map of the unit cube needs 60^3 cells for a smooth force, a
 //! volume map 10^3; 175 s to 0.3 s, "a speedup factor of about 580", and 78.2 MB to 392 KB, "200 times lower".
 
-use super::{Found, KIB, MIB, Row, Step};
+use super::{ExperimentStep, KIB, MIB, outcome, row};
 use crate::error::Error;
+use crate::experiments::Outcome;
 use volmap_bake::density_map::cost::{Costs, measure as measure_costs, paper_settings, unit_cube};
 
 /// What is measured.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Settings {
+pub struct KindsSettings {
     /// Cells along each axis of the volume map.
     pub volume_cells: u32,
     /// Of the density map.
@@ -16,18 +17,18 @@ pub struct Settings {
     pub runs: usize,
 }
 
-impl Default for Settings {
-    fn default() -> Settings {
-        Settings { volume_cells: 10, density_cells: 60, runs: 3 }
+impl Default for KindsSettings {
+    fn default() -> KindsSettings {
+        KindsSettings { volume_cells: 10, density_cells: 60, runs: 3 }
     }
 }
 
 /// Runs the experiment.
 ///
 /// # Errors
-/// Settings that can't be used.
-pub fn measure(settings: &Settings, enter: &mut dyn FnMut(Step)) -> Result<Found, Error> {
-    enter(Step { name: "computing volume and density maps", work: None });
+/// KindsSettings that can't be used.
+pub fn measure(settings: &KindsSettings, enter: &mut dyn FnMut(ExperimentStep)) -> Result<Outcome, Error> {
+    enter(ExperimentStep { name: "computing volume and density maps", work: None });
     let (coarse, fine) = (settings.volume_cells, settings.density_cells);
     let mut runs = Vec::new();
     for _ in 0..settings.runs.max(1) {
@@ -41,28 +42,23 @@ pub fn measure(settings: &Settings, enter: &mut dyn FnMut(Step)) -> Result<Found
     let [small, large] = [runs[0][0].volume, runs[0][1].density];
     let bytes = |bytes: u64, unit: f64| bytes as f64 / unit;
     let rows = vec![
-        Row::new(format!("time, density map, {fine}^3 cells"), "s", Some(175.0), density),
-        Row::new(format!("time, volume map, {coarse}^3 cells"), "s", Some(0.3), volume),
-        Row::new("time, density over volume", "", Some(580.0), density / volume),
-        Row::new(format!("time, density over volume, both {fine}^3"), "", None, same),
-        Row::new("memory, density map, the paper's layout", "MiB", Some(78.2), bytes(large.paper_bytes, MIB)),
-        Row::new("memory, volume map, the paper's layout", "KiB", Some(392.0), bytes(small.paper_bytes, KIB)),
-        Row::new(
+        row(format!("time, density map, {fine}^3 cells"), "s", Some(175.0), density),
+        row(format!("time, volume map, {coarse}^3 cells"), "s", Some(0.3), volume),
+        row("time, density over volume", "", Some(580.0), density / volume),
+        row(format!("time, density over volume, both {fine}^3"), "", None, same),
+        row("memory, density map, the paper's layout", "MiB", Some(78.2), bytes(large.paper_bytes, MIB)),
+        row("memory, volume map, the paper's layout", "KiB", Some(392.0), bytes(small.paper_bytes, KIB)),
+        row(
             "memory, density over volume, the paper's layout",
             "",
             Some(200.0),
             large.paper_bytes as f64 / small.paper_bytes as f64,
         ),
-        Row::new("memory, density map, ours", "MiB", None, bytes(large.bytes, MIB)),
-        Row::new("memory, volume map, ours", "KiB", None, bytes(small.bytes, KIB)),
-        Row::new(
-            "memory, density over volume, ours",
-            "",
-            Some(200.0),
-            large.bytes as f64 / small.bytes as f64,
-        ),
+        row("memory, density map, ours", "MiB", None, bytes(large.bytes, MIB)),
+        row("memory, volume map, ours", "KiB", None, bytes(small.bytes, KIB)),
+        row("memory, density over volume, ours", "", Some(200.0), large.bytes as f64 / small.bytes as f64),
     ];
-    Ok((rows, assumed(runs.len())))
+    Ok(outcome(rows, assumed(runs.len())))
 }
 
 fn assumed(runs: usize) -> Vec<String> {
@@ -95,15 +91,15 @@ mod tests {
     /// Reduced, so the memory ratio is that of 12^3 and 6^3 cells, every one stored.
     #[test]
     fn both_kinds_are_measured_and_compared() {
-        let settings = Settings { volume_cells: 6, density_cells: 12, runs: 2 };
-        let (rows, assumed) = measure(&settings, &mut |_| ()).unwrap();
-        let ours = |name: &str| rows.iter().find(|row| row.quantity == name).unwrap().ours.unwrap();
+        let settings = KindsSettings { volume_cells: 6, density_cells: 12, runs: 2 };
+        let Outcome { rows, notes, .. } = measure(&settings, &mut |_| ()).unwrap();
+        let ours = |name: &str| rows.iter().find(|row| row.quantity == name).unwrap().measured;
         let ratio = ours("memory, density over volume, the paper's layout");
         assert!((7.0..8.0).contains(&ratio), "{ratio}");
         let [density, volume] = ["density", "volume"].map(|kind| ours(&format!("memory, {kind} map, ours")));
         assert!((1024.0 * density / volume / ours("memory, density over volume, ours") - 1.0).abs() < 1e-12);
         assert!(ours("time, density map, 12^3 cells") > 0.0 && ours("time, density over volume") > 0.0);
-        assert!(assumed[1].contains("2 runs"));
+        assert!(notes[1].contains("2 runs"));
     }
 
     #[test]

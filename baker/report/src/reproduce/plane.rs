@@ -5,14 +5,16 @@
 //! The difference has two parts: gamma* counts fluid within r of the boundary as solid in part, so that Eq. 12 is not the
 //! intersection; and the map is not Eq. 12.
 
-use super::{Found, Row, Step, baked, made};
+use super::{ExperimentStep, baked, made, outcome, row};
 use crate::error::Error;
+use crate::experiments::Outcome;
 use crate::report::shape::{Shape, ShapeKind};
 use glam::DVec3;
 use std::f64::consts::PI;
 use volmap_bake::density_map::cost::unit_cube;
 use volmap_bake::plan::{GridChoice, Settings as MapSettings};
 use volmap_bake::volume_map::quadrature::Rule;
+use volmap_formats::text::number;
 use volmap_runtime::VolumeMap;
 
 /// The rule of all of the paper's maps.
@@ -22,7 +24,7 @@ const PAPER_MEAN: f64 = 1.6e-5;
 
 /// What is measured.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Settings {
+pub struct PlaneSettings {
     /// Cells along each axis.
     pub cells: u32,
     /// Radius of the particle, metres; the support radius is four of it.
@@ -31,9 +33,9 @@ pub struct Settings {
     pub steps: u32,
 }
 
-impl Default for Settings {
-    fn default() -> Settings {
-        Settings { cells: 10, particle_radius: 0.01, steps: 1000 }
+impl Default for PlaneSettings {
+    fn default() -> PlaneSettings {
+        PlaneSettings { cells: 10, particle_radius: 0.01, steps: 1000 }
     }
 }
 
@@ -53,32 +55,32 @@ pub struct Means {
 /// Runs the experiment.
 ///
 /// # Errors
-/// Settings that can't be used.
-pub fn measure(settings: &Settings, enter: &mut dyn FnMut(Step)) -> Result<Found, Error> {
-    enter(Step { name: "moving a particle to a plane", work: None });
+/// PlaneSettings that can't be used.
+pub fn measure(settings: &PlaneSettings, enter: &mut dyn FnMut(ExperimentStep)) -> Result<Outcome, Error> {
+    enter(ExperimentStep { name: "moving a particle to a plane", work: None });
     let (n, r) = (settings.cells, 4.0 * settings.particle_radius);
     let mut rows = Vec::new();
     let mut signed = Vec::new();
     for rule in [PAPER_RULE, Rule::default()] {
         let means = means(settings, rule, 2.0 * r)?;
-        let row =
-            |name: &str, paper, ours| Row::new(format!("{name}, {n}^3 cells, {rule}"), "m^3", paper, ours);
+        let of_rule =
+            |name: &str, paper, ours| row(format!("{name}, {n}^3 cells, {rule}"), "m^3", paper, ours);
         if rows.is_empty() {
             let from_r = self::means(settings, rule, r)?;
-            rows.push(Row::new("mean error by the extension function alone", "m^3", None, means.extension));
-            rows.push(Row::new("the same, on the way from r on", "m^3", None, from_r.extension));
+            rows.push(row("mean error by the extension function alone", "m^3", None, means.extension));
+            rows.push(row("the same, on the way from r on", "m^3", None, from_r.extension));
         }
-        rows.push(row("mean error", Some(PAPER_MEAN), means.all));
-        rows.push(row("mean error by the map alone", None, means.map));
-        signed.push(format!("{:+.1e} m^3 ({rule})", means.map_signed));
+        rows.push(of_rule("mean error", Some(PAPER_MEAN), means.all));
+        rows.push(of_rule("mean error by the map alone", None, means.map));
+        signed.push(format!("{} m^3 ({rule})", number(means.map_signed)));
     }
-    let paper_way = paper_way(settings, rows[2].ours.unwrap_or_default());
-    rows.push(Row::new("length of the way that would give the paper's mean", "m", None, paper_way));
-    Ok((rows, assumed(settings, &signed)))
+    let paper_way = paper_way(settings, rows[2].measured);
+    rows.push(row("length of the way that would give the paper's mean", "m", None, paper_way));
+    Ok(outcome(rows, assumed(settings, &signed)))
 }
 
-fn assumed(settings: &Settings, signed: &[String]) -> Vec<String> {
-    let Settings { particle_radius, cells, steps } = settings;
+fn assumed(settings: &PlaneSettings, signed: &[String]) -> Vec<String> {
+    let PlaneSettings { particle_radius, cells, steps } = settings;
     vec![
         format!(
             "the way: from 2 r, where the map's volume begins, to {particle_radius} m, where the particle touches, in \
@@ -97,12 +99,12 @@ fn assumed(settings: &Settings, signed: &[String]) -> Vec<String> {
 }
 
 /// How far away the way must begin for the paper's mean: beyond 2 r nothing is added to the sum.
-fn paper_way(settings: &Settings, mean: f64) -> f64 {
+fn paper_way(settings: &PlaneSettings, mean: f64) -> f64 {
     7.0 * settings.particle_radius * mean / PAPER_MEAN
 }
 
 /// On the way from this distance until the particle touches.
-fn means(settings: &Settings, rule: Rule, start: f64) -> Result<Means, Error> {
+fn means(settings: &PlaneSettings, rule: Rule, start: f64) -> Result<Means, Error> {
     let r = 4.0 * settings.particle_radius;
     let map = MapSettings {
         support_radius: Some(r),
@@ -155,7 +157,7 @@ mod tests {
     /// is the extension function's: 2.797e-5 m^3 by a quadrature of its own.
     #[test]
     fn a_fine_map_leaves_the_error_of_the_extension_function() {
-        let fine = Settings { cells: 60, steps: 200, ..Settings::default() };
+        let fine = PlaneSettings { cells: 60, steps: 200, ..PlaneSettings::default() };
         let found = means(&fine, Rule::Chord(12), 0.08).unwrap();
         assert!((found.extension - 2.797e-5).abs() < 1e-8, "{found:?}");
         let ball = 4.0 / 3.0 * PI * 0.04f64.powi(3);
@@ -164,9 +166,9 @@ mod tests {
 
     #[test]
     fn parts_of_the_coarse_map_add_up() {
-        let settings = Settings { steps: 200, ..Settings::default() };
-        let (rows, _) = measure(&settings, &mut |_| ()).unwrap();
-        let ours: Vec<f64> = rows.iter().map(|row| row.ours.unwrap()).collect();
+        let settings = PlaneSettings { steps: 200, ..PlaneSettings::default() };
+        let Outcome { rows, .. } = measure(&settings, &mut |_| ()).unwrap();
+        let ours: Vec<f64> = rows.iter().map(|row| row.measured).collect();
         let [extension, from_r, paper, paper_map, default, default_map, way] = ours[..] else {
             panic!("{rows:?}")
         };

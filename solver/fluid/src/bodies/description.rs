@@ -5,6 +5,7 @@ use super::path::Path;
 use std::sync::Arc;
 use volmap_formats::asset::Exterior;
 use volmap_formats::mesh::TriangleMesh;
+use volmap_formats::text::number;
 use volmap_runtime::{DVec3, Pose, VolumeMap};
 
 /// One body. Many may share a map and a mesh.
@@ -145,7 +146,8 @@ impl BodyDescription {
             true => Ok(Some(mass)),
             false => Err(format!(
                 "its mass of {} kg, from a volume of {} m^3, can't be moved",
-                mass.mass, mass.volume
+                number(mass.mass),
+                number(mass.volume)
             )),
         }
     }
