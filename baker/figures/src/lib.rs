@@ -3,3 +3,4 @@
 mod escape;
 pub mod page;
 pub mod picture;
+pub mod raster;

@@ -9,7 +9,7 @@
 //! processor, threads or time.
 
 pub mod animation;
-mod bar;
+pub mod bar;
 pub mod canvas;
 pub mod chart;
 pub mod colours;
