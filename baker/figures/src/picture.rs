@@ -5,8 +5,8 @@
 //! PixelLattice -> Raster, Contour (marching squares, mesh section) -> Panel -> Figure -> PNG
 //!                                                            series -> Chart  -> SVG or PNG
 //! ```
-//! [`animation`] strings pictures together (APNG). Guaranteed: the bytes of a picture depend on its content alone, not on
-//! processor, threads or time.
+//! [`animation`] strings pictures together (APNG). Guaranteed: the bytes of a picture depend on its content alone, not
+//! on processor, threads or time.
 
 pub mod animation;
 pub mod bar;

@@ -1,5 +1,5 @@
-//! A software rasteriser: triangles into a buffer of depth, normal and material, in bands of rows that threads draw side
-//! by side.
+//! A software rasteriser: triangles into a buffer of depth, normal and material, in bands of rows that threads draw
+//! side by side.
 //!
 //! ```text
 //! mesh in the world -> View -> project (clip, faces of one side) -> Triangle -> sorted into Bands -> Fragment a pixel
