@@ -76,7 +76,8 @@ struct Said<'a> {
 /// Finds the meshes of a manifest, and what holds for each. `folder` is the manifest's.
 ///
 /// # Errors
-/// Names that can't be files' or that two assets would share; a manifest made in Rust that [`super::manifest::load`] would refuse.
+/// Names that can't be files' or that two assets would share; a manifest made in Rust that [`super::manifest::load`]
+/// would refuse.
 pub fn expand(manifest: &Manifest, folder: &Path) -> Result<Expanded, Error> {
     manifest.check().map_err(|problem| refuse(problem.key(), problem.reason))?;
     let matchers: Vec<Matcher> = manifest

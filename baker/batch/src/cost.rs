@@ -6,8 +6,8 @@ use volmap_bake::input::{self, bounds};
 use volmap_bake::mesh::prepare;
 use volmap_bake::plan::{Extent, GridChoice, plan};
 
-/// Measured on one core of an AMD EPYC, over the 206 meshes of `BENCHMARKS.md`: right to a third for half of the closed ones,
-/// to a factor of 3 for most open ones, whose winding numbers take what they take.
+/// Measured on one core of an AMD EPYC, over the 206 meshes of `BENCHMARKS.md`: right to a third for half of the closed
+/// ones, to a factor of 3 for most open ones, whose winding numbers take what they take.
 const MAP: f64 = 0.22;
 const SECONDS_PER_ASSET: f64 = 0.05;
 const SECONDS_PER_TRIANGLE: f64 = 1e-5;

@@ -1,5 +1,5 @@
-//! A batch as JUnit XML, which build servers show: the dialect of Jenkins' JUnit plugin (its `junit-10.xsd`), which GitLab
-//! and the reporters of GitHub's actions read too.
+//! A batch as JUnit XML, which build servers show: the dialect of Jenkins' JUnit plugin (its `junit-10.xsd`), which
+//! GitLab and the reporters of GitHub's actions read too.
 
 use super::summary::{AssetReport, Outcome, Summary};
 use std::fmt::Write;

@@ -44,8 +44,9 @@ pub struct Manifest {
     /// What holds for every asset that says nothing else.
     #[serde(default)]
     pub defaults: Rules,
-    /// Which meshes, and what holds for them. Every entry that names a mesh applies to it, later ones over earlier ones:
-    /// so globs give rules, and exact paths after them exceptions. A mesh becomes one asset, or one for each of its maps.
+    /// Which meshes, and what holds for them. Every entry that names a mesh applies to it, later ones over earlier
+    /// ones: so globs give rules, and exact paths after them exceptions. A mesh becomes one asset, or one for each of
+    /// its maps.
     pub assets: Vec<Entry>,
 }
 
@@ -88,8 +89,9 @@ pub struct Entry {
     /// Globs or paths of files that this entry doesn't mean.
     #[serde(default)]
     pub exclude: Texts,
-    /// The asset's path in the output folder, without .h5. {path} stands for the mesh's path below the glob's fixed part,
-    /// {stem} for its file's name, both without extension, {extension} for that, {parent} for its folder's name, {map} for the map's name.
+    /// The asset's path in the output folder, without .h5. {path} stands for the mesh's path below the glob's fixed
+    /// part, {stem} for its file's name, both without extension, {extension} for that, {parent} for its folder's name,
+    /// {map} for the map's name.
     /// Default: "{path}"; where there are maps, ".{map}" is put behind if {map} isn't in it.
     #[serde(default)]
     pub name: Option<String>,

@@ -3,8 +3,8 @@
 use super::summary::{AssetReport, Counts, Shard, Summary};
 use crate::error::Error;
 
-/// Joins the summaries of all parts of a batch. Its wall time is that of the longest part, as if they had run side by side;
-/// its jobs and threads are those of all parts together.
+/// Joins the summaries of all parts of a batch. Its wall time is that of the longest part, as if they had run side by
+/// side; its jobs and threads are those of all parts together.
 ///
 /// # Errors
 /// Parts that are missing, there twice, or not of the same batch.

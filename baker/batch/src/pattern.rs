@@ -1,5 +1,5 @@
-//! Paths and globs of a manifest, as Git's and most shells': `*` stops at `/`, `**` doesn't, and names that begin with a
-//! dot must be named.
+//! Paths and globs of a manifest, as Git's and most shells': `*` stops at `/`, `**` doesn't, and names that begin with
+//! a dot must be named.
 
 use globset::{Glob, GlobBuilder, GlobMatcher};
 use std::path::{Path, PathBuf};

@@ -1,5 +1,5 @@
-//! The worker pool: gives jobs from a queue to worker processes, passes on their replies, and ends workers that take too
-//! long or too much memory.
+//! The worker pool: gives jobs from a queue to worker processes, passes on their replies, and ends workers that take
+//! too long or too much memory.
 
 use super::job::{Job, Reply};
 use super::process::{Message, Worker};
@@ -72,8 +72,8 @@ impl<'a> WorkerPool<'a> {
         WorkerPool { program: program.to_owned(), slots, max_memory, messages, sender, next: 0, stop }
     }
 
-    /// Runs the jobs of a queue until it is empty, `stop` is set, or the handler says no to more: running jobs are finished
-    /// then.
+    /// Runs the jobs of a queue until it is empty, `stop` is set, or the handler says no to more: running jobs are
+    /// finished then.
     ///
     /// # Errors
     /// A worker that can't be started; the handler's.

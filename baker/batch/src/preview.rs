@@ -1,8 +1,8 @@
-//! A small picture of the solid that a map stands for, traced through the map itself: sphere tracing (Hart 1996), parallel
-//! projection, y up, seen from the front, the right and above.
+//! A small picture of the solid that a map stands for, traced through the map itself: sphere tracing (Hart 1996),
+//! parallel projection, y up, seen from the front, the right and above.
 //!
-//! The solid of a container lies outside: its near walls are left out, and what is seen is the inside. The volume, which the
-//! map holds anyway, shades: it is larger in corners than on a plane, and smaller on edges.
+//! The solid of a container lies outside: its near walls are left out, and what is seen is the inside. The volume,
+//! which the map holds anyway, shades: it is larger in corners than on a plane, and smaller on edges.
 
 use glam::{BVec3, DVec3};
 use volmap_figures::picture::colours::{Rgb, WHITE};
@@ -210,8 +210,8 @@ fn ray(map: &VolumeMap, view: &View, pixel: usize) -> Option<Ray> {
 }
 
 impl Ray {
-    /// Goes on, knowing the distance where it is. At its end: the depth of what it shows and the covered part of the pixel,
-    /// which is 0 if it shows nothing.
+    /// Goes on, knowing the distance where it is. At its end: the depth of what it shows and the covered part of the
+    /// pixel, which is 0 if it shows nothing.
     fn advance(&mut self, map: &VolumeMap, distance: f64, pixel: f64) -> Option<(f64, f64)> {
         let close = CLOSE * pixel;
         if self.in_fluid && distance < close {

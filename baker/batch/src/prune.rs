@@ -29,8 +29,8 @@ pub struct Tidied {
     pub left: Vec<String>,
 }
 
-/// Does it with the assets among `known`, the names of all that batches made in this folder: others' files are none of its
-/// business, wherever they lie.
+/// Does it with the assets among `known`, the names of all that batches made in this folder: others' files are none of
+/// its business, wherever they lie.
 ///
 /// # Errors
 /// A file that can't be removed.

@@ -1,6 +1,6 @@
-//! The job queue: which asset is next, and with how many threads. The longest comes first (Graham 1969: at most 4/3 of the
-//! shortest time). Each gets one thread as long as there is enough other work; one that would outlast its share of what is
-//! left gets more.
+//! The job queue: which asset is next, and with how many threads. The longest comes first (Graham 1969: at most 4/3 of
+//! the shortest time). Each gets one thread as long as there is enough other work; one that would outlast its share of
+//! what is left gets more.
 
 use super::job::Cost;
 

@@ -27,8 +27,8 @@ pub fn read(path: &Path) -> Result<Summary, Error> {
     let Head { version } = serde_json::from_slice(&text).map_err(broken)?;
     if version != SUMMARY_VERSION {
         return Err(refuse(format!(
-            "has version {version}, and this program reads version {SUMMARY_VERSION}; use the program that wrote it, or \
-             run the batch again"
+            "has version {version}, and this program reads version {SUMMARY_VERSION}; use the program that wrote it, \
+             or run the batch again"
         )));
     }
     serde_json::from_slice(&text).map_err(broken)

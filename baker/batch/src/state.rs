@@ -1,5 +1,5 @@
-//! Is an asset what the manifest wants? Its content key tells; nothing else counts, no time of a file and no record. What
-//! earlier batches noted only makes the answer quick.
+//! Is an asset what the manifest wants? Its content key tells; nothing else counts, no time of a file and no record.
+//! What earlier batches noted only makes the answer quick.
 
 use super::assets::PlannedAsset;
 use super::figures::figures;

@@ -15,7 +15,8 @@ pub struct Summary {
     pub version: u32,
     /// Version of the program.
     pub program_version: String,
-    /// The manifest, relative to the folder of this file where that can be; none if meshes were named on the command line.
+    /// The manifest, relative to the folder of this file where that can be; none if meshes were named
+    /// on the command line.
     pub manifest: Option<String>,
     /// Which part of the batch this is; none: all of it.
     pub shard: Option<Shard>,
@@ -81,8 +82,8 @@ pub enum Outcome {
     Reused,
     /// The asset in the output folder is the one that is wanted.
     Unchanged,
-    /// Baked, now or before, but a quality gate refused it. It lies in the folder `rejected`; an older asset of its name
-    /// stays as it was.
+    /// Baked, now or before, but a quality gate refused it. It lies in the folder `rejected`; an older asset of its
+    /// name stays as it was.
     Rejected,
     /// No asset: the error says why. An older asset stays as it was.
     Failed,
@@ -116,7 +117,8 @@ pub struct AssetReport {
     pub identity: Option<Identity>,
     /// Estimated cost: seconds on one thread; none if it wasn't estimated.
     pub estimated_seconds: Option<f64>,
-    /// Wall time of the bake and all that belongs to it, seconds; for unchanged assets that of when it was built, if known.
+    /// Wall time of the bake and all that belongs to it, seconds; for unchanged assets that of when it was built, if
+    /// known.
     pub seconds: Option<f64>,
     /// Threads of the bake.
     pub threads: Option<usize>,

@@ -33,8 +33,8 @@ pub fn manifest_of(folder: &Path) -> Result<PathBuf, Error> {
     Ok(folder.join(manifest))
 }
 
-/// Looks at every asset of a manifest in the folder, in the manifest's order. Files are read whole and believed for what
-/// they hold alone.
+/// Looks at every asset of a manifest in the folder, in the manifest's order. Files are read whole and believed for
+/// what they hold alone.
 pub fn verify(expanded: &Expanded, out: &Path, threads: usize) -> Vec<Finding> {
     let places = Places { out: out.to_owned(), cache: None };
     // What was written is known to the bit, if a batch noted it.

@@ -1,5 +1,6 @@
-//! The worker process. It makes assets apart from the batch, so that a crash loses one asset only. It reads jobs from its
-//! standard input, writes replies to its standard output, and ends when its input does, even in the middle of a job.
+//! The worker process. It makes assets apart from the batch, so that a crash loses one asset only. It reads jobs from
+//! its standard input, writes replies to its standard output, and ends when its input does, even in the middle of a
+//! job.
 
 use super::cost::cost;
 use super::job::{Job, MakeResult, Reply, Task};

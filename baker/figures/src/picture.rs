@@ -5,11 +5,11 @@
 //! PixelLattice -> Raster, Contour (marching squares, mesh section) -> Panel -> Figure -> PNG
 //!                                                            series -> Chart  -> SVG or PNG
 //! ```
-//! [`animation`] strings pictures together (APNG). Guaranteed: the bytes of a picture depend on its content alone, not on
-//! processor, threads or time.
+//! [`animation`] strings pictures together (APNG). Guaranteed: the bytes of a picture depend on its content alone, not
+//! on processor, threads or time.
 
 pub mod animation;
-mod bar;
+pub mod bar;
 pub mod canvas;
 pub mod chart;
 pub mod colours;

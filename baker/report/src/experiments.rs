@@ -1,5 +1,5 @@
-//! The frame of experiments: what is run, the rows of figures beside targets and a paper's figures, charts, and all of it
-//! as a table and as JSON. It knows neither maps nor fluids.
+//! The frame of experiments: what is run, the rows of figures beside targets and a paper's figures, charts, and all of
+//! it as a table and as JSON. It knows neither maps nor fluids.
 //!
 //! ```
 //! use volmap_report::experiments::{Experiment, Outcome, Row, choose, table};
@@ -11,7 +11,8 @@
 //!     run: |corners: u32| {
 //!         let angle = std::f64::consts::TAU / f64::from(corners);
 //!         let area = 0.5 * f64::from(corners) * angle.sin();
-//!         Outcome { rows: vec![Row::new("unit circle", "area", "m^2", area).between(3.14, 3.15)], ..Outcome::default() }
+//!         let area = Row::new("unit circle", "area", "m^2", area);
+//!         Outcome { rows: vec![area.between(3.14, 3.15)], ..Outcome::default() }
 //!     },
 //! };
 //! let all = [circle];

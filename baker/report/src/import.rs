@@ -115,8 +115,8 @@ pub fn from_grid(grid: &DiscreteGrid, settings: &ImportSettings) -> Result<Impor
 }
 
 /// A point of a cell is at most half its diagonal from a node, so a cell without a node within 2 r and that much of the
-/// surface has no point within 2 r. The eighth more is by how much a bake keeps cells in doubt (`sdf/band.rs`): what was
-/// exported comes back.
+/// surface has no point within 2 r. The eighth more is by how much a bake keeps cells in doubt (`sdf/band.rs`): what
+/// was exported comes back.
 const KEPT_IN_DOUBT: f64 = 0.5 + 0.125;
 
 /// What a cell of the grid is.

@@ -44,7 +44,8 @@ pub struct BatchArguments {
     #[arg(long, value_name = "FOLDER")]
     pub cache: Option<PathBuf>,
 
-    /// Do part I of N: I/N, from 1; auto, or auto/N: as an array job's environment says (Slurm, AWS Batch, Kubernetes, OpenCue)
+    /// Do part I of N: I/N, from 1; auto, or auto/N: as an array job's environment says (Slurm, AWS Batch,
+    /// Kubernetes, OpenCue)
     #[arg(long, value_name = "I/N", value_parser = shard_of, help_heading = "Several machines")]
     pub shard: Option<Shard>,
     /// Join the summaries of all shards in this folder, and exit

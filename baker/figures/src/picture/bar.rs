@@ -1,4 +1,4 @@
-//! The colour bar of a panel: to the right of it, or below it where the panel is flat.
+//! Colour bars: to the right of a panel, below it where the panel is flat, or anywhere on a canvas.
 
 use super::canvas::Canvas;
 use super::colours::{ColourMap, INK};
@@ -10,19 +10,33 @@ use super::scale::Scale;
 /// How far the limits of a logarithm are apart at most, if they are those of the values.
 const SPAN: f64 = 1e4;
 
-/// Colours, their scale and whether values lie beyond its ends.
-pub struct Bar {
+/// Colours and their scale.
+#[derive(Clone, Debug)]
+pub struct ColourBar {
+    /// Colours.
     pub map: ColourMap,
+    /// Numbers.
     pub scale: Scale,
-    title: String,
-    beyond: [bool; 2],
-    upright: bool,
-    text: f64,
+    /// Name and unit, as of [`Scale::title`].
+    pub title: String,
+    /// Whether values lie below and above the scale: an arrow there tells of them.
+    pub beyond: [bool; 2],
+    /// From below upwards, instead of from left to right.
+    pub upright: bool,
+    /// The title of a bar that isn't upright stands above it, instead of below.
+    pub title_above: bool,
+    /// Height of letters, pixels.
+    pub text: f64,
 }
 
-impl Bar {
-    /// `None` for categories. `length` is that of the plot's side that the bar goes along.
-    pub fn new(colouring: &Colouring, pixels: &[Pixel], quantity: &Quantity, room: Room) -> Option<Bar> {
+impl ColourBar {
+    /// That of a panel; `None` for categories.
+    pub(super) fn of_panel(
+        colouring: &Colouring,
+        pixels: &[Pixel],
+        quantity: &Quantity,
+        room: Room,
+    ) -> Option<ColourBar> {
         let most = (room.length / (if room.upright { 2.5 } else { 4.5 } * room.text)) as usize;
         let (map, scale) = match colouring {
             Colouring::Linear(map, limits) => {
@@ -36,7 +50,8 @@ impl Bar {
         let below = !scale.log && values(pixels).any(|x| x < low - slack);
         let beyond = [below, values(pixels).any(|x| x > high + slack)];
         let title = scale.title(&quantity.name, &quantity.unit);
-        Some(Bar { map, scale, title, beyond, upright: room.upright, text: room.text })
+        let (upright, text) = (room.upright, room.text);
+        Some(ColourBar { map, scale, title, beyond, upright, title_above: false, text })
     }
 
     /// How far it reaches from the plot.
@@ -111,6 +126,7 @@ impl Bar {
         }
         let (at, turned) = match self.upright {
             true => ([rect.right() + widest(&self.scale, text) + 1.7 * text, rect.at(0.0, 0.5)[1]], true),
+            false if self.title_above => ([rect.at(0.5, 1.0)[0], rect.y - 0.6 * text], false),
             false => ([rect.at(0.5, 0.0)[0], rect.bottom() + 2.6 * text], false),
         };
         let title = self.title.clone();
@@ -118,9 +134,9 @@ impl Bar {
     }
 }
 
-/// Where a bar goes.
+/// Where the bar of a panel goes.
 #[derive(Clone, Copy)]
-pub struct Room {
+pub(super) struct Room {
     pub length: f64,
     pub upright: bool,
     pub text: f64,

@@ -1,6 +1,6 @@
 //! Where everything of a panel goes, and its drawing.
 
-use super::bar::{Bar, Room};
+use super::bar::{ColourBar, Room};
 use super::canvas::Canvas;
 use super::colours::{FLUID, Rgb, SOLID, WHITE};
 use super::content::{Colouring, Line, Panel, Pixel};
@@ -43,7 +43,7 @@ pub struct Layout<'a> {
     scale: usize,
     plot: Rect,
     axes: [Scale; 2],
-    bar: Option<Bar>,
+    bar: Option<ColourBar>,
     /// The bar is to the right.
     upright: bool,
     legend: Legend,
@@ -63,18 +63,23 @@ impl<'a> Layout<'a> {
         ];
         let upright = height > 9.0 * text;
         let length = if upright { height } else { width };
-        let bar =
-            Bar::new(&panel.colouring, &panel.raster.pixels, &panel.quantity, Room { length, upright, text });
+        let bar = ColourBar::of_panel(
+            &panel.colouring,
+            &panel.raster.pixels,
+            &panel.quantity,
+            Room { length, upright, text },
+        );
         let top = if panel.title.is_empty() { 0.5 * text } else { 1.7 * text };
         let plot = Rect { x: left_room(&axes[1], text).ceil(), y: top.ceil(), width, height };
-        let right = if upright { bar.as_ref().map_or(0.0, Bar::depth) } else { 0.0 };
+        let right = if upright { bar.as_ref().map_or(0.0, ColourBar::depth) } else { 0.0 };
         let legend = Legend::new(entries, width + right, text);
         Layout { panel, style, scale, plot, axes, bar, upright, legend }
     }
 
     /// Width of all.
     pub fn width(&self) -> f64 {
-        let beside = self.bar.as_ref().filter(|_| self.upright).map_or(0.5 * self.style.text, Bar::depth);
+        let beside =
+            self.bar.as_ref().filter(|_| self.upright).map_or(0.5 * self.style.text, ColourBar::depth);
         (self.plot.right() + beside).max(self.plot.x + self.legend.width())
     }
 
@@ -84,7 +89,7 @@ impl<'a> Layout<'a> {
     }
 
     fn legend_top(&self) -> f64 {
-        let below = self.bar.as_ref().filter(|_| !self.upright).map_or(0.0, Bar::depth);
+        let below = self.bar.as_ref().filter(|_| !self.upright).map_or(0.0, ColourBar::depth);
         self.plot.bottom() + bottom_room(self.style.text) + below + 0.3 * self.style.text
     }
 

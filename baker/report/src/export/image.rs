@@ -1,7 +1,8 @@
 //! The map's values at equally spaced points of its domain, the cells that are not stored included.
 //!
 //! There Phi is known to be beyond 2 r, so the distance is given as Phi limited to [-2 r, 2 r], in the band and outside
-//! alike: that is right everywhere, and has no step at the band's edge. V is 0 in the fluid, the full ball in the solid.
+//! alike: that is right everywhere, and has no step at the band's edge. V is 0 in the fluid, the full ball in the
+//! solid.
 
 use super::{ExportSettings, Field};
 use crate::error::Error;

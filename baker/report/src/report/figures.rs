@@ -71,8 +71,8 @@ fn slice_picture(slice: &ErrorSlice, mesh: Option<(&TriangleMesh, &str)>) -> Pic
             .to_png(),
         alt: format!("Two maps of colours on the plane {plane}: the volume, and its error"),
         caption: format!(
-            "The volume on the plane {plane} m{through}, and its difference to the integral of order 100 on the asset's \
-             own distance at every pixel, at most {largest:.3} % of the full ball."
+            "The volume on the plane {plane} m{through}, and its difference to the integral of order 100 on the \
+             asset's own distance at every pixel, at most {largest:.3} % of the full ball."
         ),
     }
 }

@@ -59,8 +59,8 @@ impl Shape {
         if self.invert { -distance } else { distance }
     }
 
-    /// Eq. 12 of Bender et al. 2020 for a support radius r, m^3. Of a box the distance is in closed form and the integral
-    /// by a converged rule.
+    /// Eq. 12 of Bender et al. 2020 for a support radius r, m^3. Of a box the distance is in closed form and the
+    /// integral by a converged rule.
     pub fn volume(&self, r: f64, x: DVec3) -> f64 {
         let phi = self.distance(x);
         match self.kind {

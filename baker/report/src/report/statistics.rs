@@ -150,7 +150,8 @@ pub struct DistanceBin {
     pub max: f64,
 }
 
-/// Sizes of errors over `unit` from 2 radii deep to 2 radii outside, in `bins` ranges; those without points are left out.
+/// Sizes of errors over `unit` from 2 radii deep to 2 radii outside, in `bins` ranges; those without points are left
+/// out.
 pub fn by_distance(all: &[Measurement], unit: f64, radius: f64, bins: usize) -> Vec<DistanceBin> {
     let edge = |bin: usize| -2.0 + 4.0 * bin as f64 / bins as f64;
     let own = |bin: usize| {

@@ -1,8 +1,8 @@
 //! Thin walls and narrow gaps: where a map can leak.
 //!
 //! The largest ball that touches the surface at a point and holds no other part of it is as wide as the wall (inside)
-//! or the gap (outside) there. It is found by shrinking (Ma, Bae and Choi 2012, "3D medial axis point approximation using
-//! nearest neighbors and the normal field"), which needs closest points and nothing else.
+//! or the gap (outside) there. It is found by shrinking (Ma, Bae and Choi 2012, "3D medial axis point approximation
+//! using nearest neighbors and the normal field"), which needs closest points and nothing else.
 
 use super::model::{Model, Solid};
 use glam::DVec3;

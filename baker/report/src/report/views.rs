@@ -2,9 +2,10 @@
 
 use super::model::{Model, Solid};
 use super::thin::{self, Thin};
-use glam::DVec3;
+use glam::{DVec3, Quat, Vec3};
 use volmap_bake::input::bounds;
 use volmap_figures::picture::{Axis, Pixel, PixelLattice, Plane, Raster};
+use volmap_figures::raster::{self, Faces, Sides, View as Projection};
 
 /// The surface seen along an axis, from its positive end.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,47 +50,60 @@ fn view(model: &Model, solid: &Solid, axis: Axis, pixels: usize) -> View {
     View { axis, kinds: Raster { lattice, pixels } }
 }
 
-/// Per pixel, the point of the surface that is seen and its triangle: a depth buffer.
+/// Per pixel of the lattice, the point of the surface that is seen and its triangle.
 fn nearest(solid: &Solid, lattice: &PixelLattice, axis: Axis) -> Vec<Option<(DVec3, u32)>> {
-    let mut seen: Vec<Option<(DVec3, u32)>> = vec![None; lattice.len()];
-    for (index, triangle) in solid.mesh.triangles.iter().enumerate() {
-        let corners = triangle.map(|v| DVec3::from(solid.mesh.vertices[v as usize]));
-        let flat = corners.map(|corner| lattice.project(corner));
-        for [i, j] in pixels_of(lattice, &flat) {
-            let place = [0, 1].map(|side| lattice.low[side] + ([i, j][side] as f64 + 0.5) * lattice.pixel);
-            let Some([u, v, w]) = weights(&flat, place) else { continue };
-            let point = corners[0] * u + corners[1] * v + corners[2] * w;
-            let best = &mut seen[i + lattice.size[0] * j];
-            if best.is_none_or(|(other, _)| point[axis.index()] > other[axis.index()]) {
-                *best = Some((point, index as u32));
-            }
+    let middle = {
+        let [low, high] = [lattice.low, lattice.high()];
+        let mut middle = DVec3::ZERO;
+        middle[axis.index()] = lattice.plane.at;
+        for (side, along) in lattice.axes.iter().enumerate() {
+            middle[along.index()] = 0.5 * (low[side] + high[side]);
         }
-    }
-    seen
+        middle
+    };
+    let unit = |axis: Axis| Vec3::AXES[axis.index()];
+    let [right, up] = lattice.axes.map(unit);
+    let view = Projection {
+        origin: Vec3::ZERO,
+        right,
+        up,
+        forward: -unit(axis),
+        size: lattice.size,
+        scale: 1.0,
+        parallel: true,
+        near: 0.0,
+    };
+    // In pixels from the middle, so that single precision does, wherever the mesh is and however large.
+    let place = |vertex: &[f64; 3]| ((DVec3::from(*vertex) - middle) / lattice.pixel).as_vec3();
+    let places: Vec<Vec3> = solid.mesh.vertices.iter().map(place).collect();
+    let normals = vec![[Vec3::ZERO; 3]; solid.mesh.triangles.len()];
+    let triangles = &solid.mesh.triangles;
+    let faces = Faces { places: &places, triangles, normals: &normals, rotation: Quat::IDENTITY };
+    let fragments =
+        raster::draw(&view, &raster::project(&view, &faces, Sides::Both, |triangle| triangle as u32));
+    let [columns, rows] = lattice.size;
+    let pixel = |at: usize| {
+        // The picture's rows run down, the lattice's up.
+        let (i, j) = (at % columns, at / columns);
+        let fragment = fragments[(rows - 1 - j) * columns + i];
+        let seen = fragment.depth < f32::INFINITY;
+        seen.then(|| (on_triangle(solid, fragment.material, lattice.point(i, j), axis), fragment.material))
+    };
+    (0..lattice.len()).map(pixel).collect()
 }
 
-/// Pixels whose centres may lie in a triangle.
-fn pixels_of<'a>(
-    lattice: &'a PixelLattice,
-    flat: &[[f64; 2]; 3],
-) -> impl Iterator<Item = [usize; 2]> + use<'a> {
-    let range = |side: usize| {
-        let place = |x: f64| (x - lattice.low[side]) / lattice.pixel - 0.5;
-        let low = flat.iter().map(|p| place(p[side])).fold(f64::INFINITY, f64::min);
-        let high = flat.iter().map(|p| place(p[side])).fold(f64::NEG_INFINITY, f64::max);
-        let last = lattice.size[side] as f64;
-        low.ceil().clamp(0.0, last) as usize..(high.floor() + 1.0).clamp(0.0, last) as usize
-    };
-    let (columns, rows) = (range(0), range(1));
-    rows.flat_map(move |j| columns.clone().map(move |i| [i, j]))
-}
-
-/// Barycentric coordinates in the plane, if they are of a point in the triangle.
-fn weights([a, b, c]: &[[f64; 2]; 3], p: [f64; 2]) -> Option<[f64; 3]> {
-    let cross = |a: &[f64; 2], b: &[f64; 2], c: &[f64; 2]| {
-        (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
-    };
-    let all = cross(a, b, c);
-    let parts = [cross(&p, b, c), cross(a, &p, c), cross(a, b, &p)].map(|part| part / all);
-    parts.iter().all(|part| *part >= 0.0).then_some(parts)
+/// The point of a triangle's plane where the line along an axis meets it, within the triangle's extent.
+fn on_triangle(solid: &Solid, triangle: u32, line: DVec3, axis: Axis) -> DVec3 {
+    let corners =
+        solid.mesh.triangles[triangle as usize].map(|v| DVec3::from(solid.mesh.vertices[v as usize]));
+    let normal = thin::normal(solid, triangle);
+    let along = axis.index();
+    let [low, high] = [f64::min, f64::max]
+        .map(|pick| corners.iter().map(|corner| corner[along]).reduce(pick).unwrap_or_default());
+    let mut point = line;
+    point[along] = corners[0][along];
+    let depth = point[along] - normal.dot(point - corners[0]) / normal[along];
+    // Triangles that are seen from the side have no depth of their own.
+    point[along] = if depth.is_finite() { depth.clamp(low, high) } else { high };
+    point
 }

@@ -1,5 +1,5 @@
-//! Section 6 of Bender et al. 2020, after Fig. 10: a density map of the unit cube needs 60^3 cells for a smooth force, a
-//! volume map 10^3; 175 s to 0.3 s, "a speedup factor of about 580", and 78.2 MB to 392 KB, "200 times lower".
+//! Section 6 of Bender et al. 2020, after Fig. 10: a density map of the unit cube needs 60^3 cells for a smooth force,
+//! a volume map 10^3; 175 s to 0.3 s, "a speedup factor of about 580", and 78.2 MB to 392 KB, "200 times lower".
 
 use super::{ExperimentStep, KIB, MIB, outcome, row};
 use crate::error::Error;
@@ -69,12 +69,12 @@ fn assumed(runs: usize) -> Vec<String> {
              points), density by gl50 (its 17.5k)"
         ),
         format!(
-            "medians of {runs} runs on {} threads; the paper's on two Xeon E5-2697. Distance, cells and integral count, \
-             in both",
+            "medians of {runs} runs on {} threads; the paper's on two Xeon E5-2697. Distance, cells and integral \
+             count, in both",
             rayon::current_num_threads()
         ),
-        "the ratios are those of 60^3 and 10^3 cells, which we take from the paper; at the same resolution the memory is \
-         the same"
+        "the ratios are those of 60^3 and 10^3 cells, which we take from the paper; at the same resolution the memory \
+         is the same"
             .into(),
     ]
 }

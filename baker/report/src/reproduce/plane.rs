@@ -1,9 +1,9 @@
 //! Section 5 of Bender et al. 2020: a particle of radius 0.01 m "was moved in small steps towards a planar boundary
-//! until it touches the boundary"; the mean difference of the map's volume (10^3 cells) to the exact intersection of its
-//! ball with the half space was 0.000016 m^3.
+//! until it touches the boundary"; the mean difference of the map's volume (10^3 cells) to the exact intersection of
+//! its ball with the half space was 0.000016 m^3.
 //!
-//! The difference has two parts: gamma* counts fluid within r of the boundary as solid in part, so that Eq. 12 is not the
-//! intersection; and the map is not Eq. 12.
+//! The difference has two parts: gamma* counts fluid within r of the boundary as solid in part, so that Eq. 12 is not
+//! the intersection; and the map is not Eq. 12.
 
 use super::{ExperimentStep, baked, made, outcome, row};
 use crate::error::Error;
@@ -84,8 +84,8 @@ fn assumed(settings: &PlaneSettings, signed: &[String]) -> Vec<String> {
     vec![
         format!(
             "the way: from 2 r, where the map's volume begins, to {particle_radius} m, where the particle touches, in \
-             {steps} steps; the paper doesn't say where it began. Beyond 2 r both volumes are 0, so a longer way lowers \
-             the mean; before r the exact one is 0"
+             {steps} steps; the paper doesn't say where it began. Beyond 2 r both volumes are 0, so a longer way \
+             lowers the mean; before r the exact one is 0"
         ),
         format!(
             "the plane: a face of the unit cube of Fig. 10, {cells}^3 cells over everything within 2 r of it"

@@ -9,7 +9,6 @@
 //! ```
 //! Guaranteed: the bytes depend on settings and frame alone, not on the number of threads.
 
-mod bands;
 pub mod camera;
 mod model;
 mod occlusion;
@@ -18,22 +17,18 @@ mod shade;
 mod shadow;
 mod smooth;
 mod splat;
-mod triangles;
-mod view;
 
 pub use camera::{Bounds, Camera};
 pub use model::Model;
 
 use super::Frame;
-use bands::BAND;
 use glam::Vec3;
 use rayon::prelude::*;
 use shade::{Light, Scenery};
 use splat::{Fluid, Layer, Splat};
-use triangles::{Sides, Solid, Triangle};
-use view::View;
 use volmap_figures::picture::ColourMap;
 use volmap_figures::picture::canvas::Canvas;
+use volmap_figures::raster::{self, BAND, Bands, Fragment, Sides, Triangle, View};
 use volmap_formats::text::thousands;
 use volmap_runtime::Pose;
 
@@ -222,14 +217,14 @@ impl Painter {
         let props = || self.world.props.iter().zip(poses);
         let project = |(n, (prop, pose)): (usize, (&Prop, &Pose))| {
             let sides = if prop.container { Sides::Back } else { Sides::Both };
-            triangles::project(&fine, &prop.model, pose, sides, n as u16)
+            prop.model.project(&fine, pose, sides, n as u32)
         };
         let faces: Vec<Triangle> = props().enumerate().flat_map(project).collect();
         let balls = splat::project(&view, frame.positions, |n| self.value(frame, n), radius);
         let solid: Vec<_> =
             props().filter(|(p, _)| !p.container).map(|(p, &pose)| (&p.model, pose)).collect();
         let light = self.light(fine);
-        let shadow = shadow::cast(light.direction, self.world.bounds, (frame.positions, radius), &solid);
+        let shadow = shadow::cast(light.direction, self.world.bounds, frame.positions, radius, &solid);
         let scenery = Scenery {
             light,
             ground: self.ground(),
@@ -245,7 +240,7 @@ impl Painter {
             Behind { colours: [Vec3::ONE; 4], depths: [f32::INFINITY; 4], body: false },
         );
         let layers = Layers { scenery: &scenery, width, faces: &faces, balls: &balls };
-        let sorted = (triangles::sorted(&faces, FINER * height), splat::sorted(&balls, height));
+        let sorted = (raster::sorted(&faces, FINER * height), splat::sorted(&balls, height));
         let bands = fluid.par_chunks_mut(BAND * width).zip(behind.par_chunks_mut(BAND * width)).enumerate();
         bands.for_each(|(band, (fluid, behind))| {
             layers.draw_behind(band, &sorted.0, behind);
@@ -367,7 +362,7 @@ struct Layers<'a> {
 
 impl Layers<'_> {
     /// Bodies and ground, with light, in samples.
-    fn draw_behind(&self, band: usize, sorted: &bands::Bands, out: &mut [Behind]) {
+    fn draw_behind(&self, band: usize, sorted: &Bands, out: &mut [Behind]) {
         let fine = &self.scenery.light.view;
         let mut solid = Vec::new();
         for part in 0..FINER {
@@ -377,7 +372,7 @@ impl Layers<'_> {
             solid.clear();
             // Where nothing is drawn, nothing is looked up.
             if rows > 0 && sorted.of(fine_band).next().is_some() {
-                solid.resize(rows * fine.size[0], Solid::NONE);
+                solid.resize(rows * fine.size[0], Fragment::NONE);
                 sorted.of(fine_band).for_each(|face| self.faces[face].draw(fine_band, fine, &mut solid));
             }
             let above = (fine_band * BAND / FINER - band * BAND) * self.width;
@@ -385,18 +380,18 @@ impl Layers<'_> {
                 let (column, row) = (FINER * (n % self.width), FINER * (n / self.width));
                 let places = [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[x, y]| [column + x, row + y]);
                 let sample = |[x, y]: [usize; 2]| solid.get(y * fine.size[0] + x).copied();
-                let samples = places.map(|place| sample(place).unwrap_or(Solid::NONE));
+                let samples = places.map(|place| sample(place).unwrap_or(Fragment::NONE));
                 *pixel = self.lit(places.map(|[x, y]| [x, first + y]), samples);
             }
         }
     }
 
     /// Light on the samples of a pixel: once, if they are alike.
-    fn lit(&self, places: [[usize; 2]; 4], samples: [Solid; 4]) -> Behind {
+    fn lit(&self, places: [[usize; 2]; 4], samples: [Fragment; 4]) -> Behind {
         let middle = |[x, y]: [usize; 2]| [x as f32 + 0.5, y as f32 + 0.5];
         let body = samples.iter().any(|sample| sample.depth < f32::INFINITY);
         if samples.iter().all(|sample| sample.material == samples[0].material) {
-            let mean = Solid {
+            let mean = Fragment {
                 depth: 0.25 * samples.iter().map(|sample| sample.depth).sum::<f32>(),
                 normal: samples.iter().map(|sample| sample.normal).sum(),
                 ..samples[0]

@@ -1,9 +1,9 @@
 //! Where the eye is: given, or found so that a box fills the picture.
 
-use super::view::View;
 use glam::Vec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use volmap_figures::raster::View;
 
 /// Where pictures are seen from.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -2,7 +2,9 @@
 
 use glam::Vec3;
 use std::collections::BTreeMap;
+use volmap_figures::raster::{self, Faces, Sides, Triangle, View};
 use volmap_formats::mesh::TriangleMesh;
+use volmap_runtime::Pose;
 
 /// Faces that meet at less than this angle, 35 degrees, are one smooth surface; its cosine.
 const CREASE: f32 = 0.82;
@@ -46,6 +48,15 @@ impl Model {
         let normals = corner_normals(&triangles, &areas, vertices.len());
         let edges = sharp_edges(&triangles, &areas);
         Model { vertices, triangles, normals, edges }
+    }
+
+    /// Its triangles that may be seen, all with this number of a material.
+    pub(super) fn project(&self, view: &View, pose: &Pose, sides: Sides, material: u32) -> Vec<Triangle> {
+        let place = |&vertex: &Vec3| pose.to_world(vertex.as_dvec3()).as_vec3();
+        let places: Vec<Vec3> = self.vertices.iter().map(place).collect();
+        let (triangles, normals) = (&self.triangles, &self.normals);
+        let faces = Faces { places: &places, triangles, normals, rotation: pose.rotation.as_quat() };
+        raster::project(view, &faces, sides, |_| material)
     }
 }
 

@@ -2,14 +2,15 @@
 
 use super::camera::Bounds;
 use super::model::Model;
-use super::view::View;
 use glam::Vec3;
 use volmap_figures::picture::ColourMap;
+use volmap_figures::picture::bar::ColourBar;
 use volmap_figures::picture::canvas::Canvas;
 use volmap_figures::picture::colours::{INK, WHITE};
 use volmap_figures::picture::drawing::{Anchor, Drawing, Paint, Pen, Rect};
 use volmap_figures::picture::font;
 use volmap_figures::picture::scale::Scale;
+use volmap_figures::raster::View;
 use volmap_runtime::Pose;
 
 /// What the colour bar says.
@@ -42,31 +43,22 @@ pub fn draw(canvas: &mut Canvas, size: [f64; 2], legend: &Legend) {
     drawing.label([1.2 * text, 2.2 * text], 1.35 * text, Anchor::Start, &legend.title);
     drawing.label([1.2 * text, 3.75 * text], 0.85 * text, Anchor::Start, &legend.subtitle);
     let length = (0.26 * size[0]).round();
-    let rect = Rect {
-        x: (size[0] - length - 1.6 * text).round(),
-        y: (size[1] - 2.6 * text).round(),
-        width: length,
-        height: (0.6 * text).round(),
-    };
-    let margin = Rect { x: rect.x - 1.6 * text, y: rect.y - 2.0 * text, width: size[0], height: size[1] };
-    lighten(&mut drawing, margin);
-    canvas.draw(&std::mem::take(&mut drawing));
-    let count = rect.width as usize;
-    canvas.image([rect.x, rect.y], [count, rect.height as usize], |across, _| {
-        legend.map.at((across as f64 + 0.5) / count as f64)
-    });
-    let pen = Pen::new(Paint::Ink, 0.05 * text);
-    drawing.frame(rect, pen);
-    let scale = Scale::linear(legend.range, 6);
-    for (value, label) in &scale.ticks {
-        let [x, y] = rect.at(scale.place(*value), 0.0);
-        drawing.stroke(vec![[x, y], [x, y + 0.25 * text]], pen);
-        drawing.label([x, y + 1.15 * text], 0.85 * text, Anchor::Middle, label);
-    }
-    let (name, unit) = legend.quantity;
-    let above = [rect.at(0.5, 1.0)[0], rect.y - 0.5 * text];
-    drawing.label(above, 0.85 * text, Anchor::Middle, &scale.title(name, unit));
+    let start = [size[0] - length - 1.6 * text, size[1] - 2.6 * text].map(f64::round);
+    let [x, y] = start;
+    lighten(&mut drawing, Rect { x: x - 1.6 * text, y: y - 2.0 * text, width: size[0], height: size[1] });
     canvas.draw(&drawing);
+    let scale = Scale::linear(legend.range, 6);
+    let (name, unit) = legend.quantity;
+    let bar = ColourBar {
+        map: legend.map,
+        title: scale.title(name, unit),
+        scale,
+        beyond: [false; 2],
+        upright: false,
+        title_above: true,
+        text: 0.85 * text,
+    };
+    bar.draw(canvas, start, length);
 }
 
 /// Makes what is below letters lighter.

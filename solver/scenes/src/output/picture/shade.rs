@@ -4,9 +4,8 @@
 
 use super::shadow::Shadow;
 use super::splat::Fluid;
-use super::triangles::Solid;
-use super::view::View;
 use glam::Vec3;
+use volmap_figures::raster::{Fragment, View};
 
 /// Above and below the horizon.
 const SKY: [Vec3; 2] = [Vec3::new(0.925, 0.945, 0.97), Vec3::new(0.985, 0.988, 0.992)];
@@ -42,7 +41,7 @@ pub struct Scenery<'a> {
 impl Scenery<'_> {
     /// Colour and depth of the surface or ground at a place of the picture: of one of the pixel's four samples, or of
     /// the whole pixel.
-    pub fn behind(&self, at: [f32; 2], solid: Solid, phase: Option<usize>) -> (Vec3, f32) {
+    pub fn behind(&self, at: [f32; 2], solid: Fragment, phase: Option<usize>) -> (Vec3, f32) {
         let ray = self.light.view.ray(at);
         let height = at[1] / self.light.view.size[1] as f32;
         let sky = SKY[0].lerp(SKY[1], (1.6 * height).min(1.0));

@@ -1,14 +1,12 @@
 //! Shadows by a picture from the light. Williams 1978, *Casting Curved Shadows on Curved Surfaces*; soft borders by
 //! Reeves, Salesin and Cook 1987, *Rendering Antialiased Shadows with Depth Maps*.
 
-use super::bands::BAND;
 use super::camera::Bounds;
 use super::model::Model;
 use super::splat;
-use super::triangles::{self, Sides, Solid};
-use super::view::View;
 use glam::Vec3;
 use rayon::prelude::*;
+use volmap_figures::raster::{self, BAND, Fragment, Sides, View};
 use volmap_runtime::{DVec3, Pose};
 
 /// Pixels of the light's picture along each side.
@@ -30,7 +28,8 @@ pub struct Shadow {
 pub fn cast(
     light: Vec3,
     bounds: Bounds,
-    (positions, radius): (&[DVec3], f32),
+    positions: &[DVec3],
+    radius: f32,
     models: &[(&Model, Pose)],
 ) -> Shadow {
     let size = bounds.size();
@@ -47,13 +46,13 @@ pub fn cast(
     };
     let splats = splat::project(&view, positions, |_| 0.0, radius);
     let splat_bands = splat::sorted(&splats, SIZE);
-    let project = |(model, pose): &(&Model, Pose)| triangles::project(&view, model, pose, Sides::Both, 0);
+    let project = |(model, pose): &(&Model, Pose)| model.project(&view, pose, Sides::Both, 0);
     let faces: Vec<_> = models.iter().flat_map(project).collect();
-    let face_bands = triangles::sorted(&faces, SIZE);
+    let face_bands = raster::sorted(&faces, SIZE);
     let mut depth = vec![f32::INFINITY; SIZE * SIZE];
     depth.par_chunks_mut(BAND * SIZE).enumerate().for_each(|(band, depth)| {
         if face_bands.of(band).next().is_some() {
-            let mut solid = vec![Solid::NONE; depth.len()];
+            let mut solid = vec![Fragment::NONE; depth.len()];
             face_bands.of(band).for_each(|face| faces[face].draw(band, &view, &mut solid));
             depth.iter_mut().zip(&solid).for_each(|(depth, solid)| *depth = solid.depth);
         }

@@ -1,11 +1,10 @@
 //! Particles as balls on the picture. van der Laan, Green and Sainz 2009, *Screen Space Fluid Rendering with Curvature
 //! Flow*, sections 3.1 and 3.4: depth and thickness of the fluid, a ball at a time.
 
-use super::bands::{BAND, Bands};
-use super::view::View;
 use glam::Vec3;
 use rayon::prelude::*;
 use std::ops::Range;
+use volmap_figures::raster::{BAND, Bands, View};
 use volmap_runtime::DVec3;
 
 /// A ball on the picture.

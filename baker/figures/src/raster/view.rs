@@ -1,4 +1,4 @@
-//! From the world to pixels: perspective for the eye, parallel for the light.
+//! From the world to pixels: a perspective or a parallel projection.
 
 use glam::Vec3;
 
@@ -17,25 +17,28 @@ pub struct View {
     pub size: [usize; 2],
     /// Pixels a metre; of a perspective view at depth 1 m.
     pub scale: f32,
-    /// Parallel.
+    /// Parallel rays instead of rays through the eye.
     pub parallel: bool,
     /// Nothing nearer is seen, metres.
     pub near: f32,
 }
 
 impl View {
-    /// Across, down and away.
+    /// A point as metres to the right, up, and into the picture, from the origin.
+    #[inline]
     pub fn local(&self, point: Vec3) -> Vec3 {
         let from = point - self.origin;
         Vec3::new(from.dot(self.right), from.dot(self.up), from.dot(self.forward))
     }
 
     /// Pixels a metre at a depth.
+    #[inline]
     pub fn scale_at(&self, depth: f32) -> f32 {
         if self.parallel { self.scale } else { self.scale / depth }
     }
 
     /// Where a point of [`View::local`] is on the picture.
+    #[inline]
     pub fn pixel(&self, local: Vec3) -> [f32; 2] {
         let scale = self.scale_at(local.z);
         let [width, height] = self.size.map(|n| n as f32);
@@ -43,6 +46,7 @@ impl View {
     }
 
     /// The direction from the eye through a place of the picture, of length 1 along `forward`.
+    #[inline]
     pub fn ray(&self, [x, y]: [f32; 2]) -> Vec3 {
         let [width, height] = self.size.map(|n| n as f32);
         // In a loop over pixels it is divided once.

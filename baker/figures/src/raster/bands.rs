@@ -1,5 +1,5 @@
 //! Rows of a picture in bands, each drawn by one thread: things are sorted into the bands that they touch, in their
-//! order, so the picture doesn't depend on the number of threads.
+//! order, so that the picture doesn't depend on the number of threads.
 
 use rayon::prelude::*;
 use std::ops::Range;

@@ -1,18 +1,16 @@
 //! Triangles on the picture, by edge functions. Pineda 1988, *A Parallel Algorithm for Polygon Rasterization*.
 
 use super::bands::{BAND, Bands};
-use super::model::Model;
 use super::view::View;
-use glam::{DQuat, Vec3};
+use glam::{Quat, Vec3};
 use rayon::prelude::*;
-use volmap_runtime::Pose;
 
 /// A triangle on the picture.
 #[derive(Clone, Copy, Debug)]
 pub struct Triangle {
     corners: [Corner; 3],
     /// Number of what it belongs to.
-    material: u16,
+    material: u32,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -29,19 +27,35 @@ struct Corner {
 pub enum Sides {
     /// All.
     Both,
-    /// Those that are turned away from the eye: a container, into which one sees.
+    /// Those that are turned away from the eye: of a container, into which one sees.
     Back,
 }
 
 /// A point of the view, and a normal of the world.
 type Vertex = (Vec3, Vec3);
 
-/// The visible triangles of a model.
-pub fn project(view: &View, model: &Model, pose: &Pose, sides: Sides, material: u16) -> Vec<Triangle> {
-    let rotation = quaternion(pose.rotation);
-    let world = |p: Vec3| pose.to_world(p.as_dvec3()).as_vec3();
-    let local: Vec<Vec3> = model.vertices.iter().map(|&p| view.local(world(p))).collect();
-    let one = |(corners, normals): (&[u32; 3], &[Vec3; 3])| {
+/// Triangles in the world.
+#[derive(Clone, Copy, Debug)]
+pub struct Faces<'a> {
+    /// Places of the vertices, metres.
+    pub places: &'a [Vec3],
+    /// Their corners.
+    pub triangles: &'a [[u32; 3]],
+    /// A normal at each corner, which `rotation` turns into the world.
+    pub normals: &'a [[Vec3; 3]],
+    /// See `normals`.
+    pub rotation: Quat,
+}
+
+/// The triangles that may be seen. `material` gives each its number.
+pub fn project(
+    view: &View,
+    faces: &Faces,
+    sides: Sides,
+    material: impl Fn(usize) -> u32 + Sync,
+) -> Vec<Triangle> {
+    let local: Vec<Vec3> = faces.places.iter().map(|&place| view.local(place)).collect();
+    let one = |(number, (corners, normals)): (usize, (&[u32; 3], &[Vec3; 3]))| {
         let [a, b, c] = corners.map(|corner| local[corner as usize]);
         // In local coordinates, whose z goes into the picture.
         let facing = (b - a).cross(c - a).dot(if view.parallel { -Vec3::Z } else { -a });
@@ -49,19 +63,16 @@ pub fn project(view: &View, model: &Model, pose: &Pose, sides: Sides, material: 
         let front = facing < 0.0;
         let sign = if front { 1.0 } else { -1.0 };
         let drawn = !(sides == Sides::Back && front) && facing != 0.0;
-        let vertex = |n: usize| (local[corners[n] as usize], sign * (rotation * normals[n]));
+        let vertex = |n: usize| (local[corners[n] as usize], sign * (faces.rotation * normals[n]));
+        let material = material(number);
         drawn.then(|| clipped(view, [vertex(0), vertex(1), vertex(2)], material)).into_iter().flatten()
     };
-    let pairs = (&model.triangles, &model.normals).into_par_iter();
+    let pairs = (faces.triangles, faces.normals).into_par_iter().enumerate();
     pairs.with_min_len(1 << 10).flat_map_iter(one).collect()
 }
 
-fn quaternion(q: DQuat) -> glam::Quat {
-    q.as_quat()
-}
-
 /// The parts of a triangle behind the near plane: none, one or two triangles.
-fn clipped(view: &View, vertices: [Vertex; 3], material: u16) -> impl Iterator<Item = Triangle> + use<> {
+fn clipped(view: &View, vertices: [Vertex; 3], material: u32) -> impl Iterator<Item = Triangle> + use<> {
     let near = if view.parallel { f32::NEG_INFINITY } else { view.near };
     let mut polygon: Vec<Vertex> = Vec::with_capacity(4);
     for n in 0..3 {
@@ -83,7 +94,7 @@ fn clipped(view: &View, vertices: [Vertex; 3], material: u16) -> impl Iterator<I
     (2..corners.len()).map(move |n| Triangle { corners: [corners[0], corners[n - 1], corners[n]], material })
 }
 
-/// Triangles by the bands that they touch.
+/// Triangles by the bands that they touch, of a picture of so many rows.
 pub fn sorted(triangles: &[Triangle], height: usize) -> Bands {
     Bands::new(triangles, height, |t| {
         let [a, b, c] = t.corners.map(|corner| corner.at[1]);
@@ -91,25 +102,25 @@ pub fn sorted(triangles: &[Triangle], height: usize) -> Bands {
     })
 }
 
-/// A body's surface at a pixel.
+/// The surface at a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Solid {
+pub struct Fragment {
     /// Metres; infinite where there is none.
     pub depth: f32,
     /// In the world, towards the eye; not of length 1.
     pub normal: Vec3,
     /// Number of what it belongs to.
-    pub material: u16,
+    pub material: u32,
 }
 
-impl Solid {
+impl Fragment {
     /// Nothing.
-    pub const NONE: Solid = Solid { depth: f32::INFINITY, normal: Vec3::ZERO, material: u16::MAX };
+    pub const NONE: Fragment = Fragment { depth: f32::INFINITY, normal: Vec3::ZERO, material: u32::MAX };
 }
 
 impl Triangle {
-    /// Draws it into a band.
-    pub fn draw(&self, band: usize, view: &View, pixels: &mut [Solid]) {
+    /// Draws it into the pixels of a band, where it is nearer than what they hold.
+    pub fn draw(&self, band: usize, view: &View, pixels: &mut [Fragment]) {
         let at = self.corners.map(|corner| corner.at.map(f64::from));
         let area = cross(at[0], at[1], at[2]);
         let range = |axis: usize, low: usize, high: usize| {
@@ -139,14 +150,14 @@ impl Triangle {
         }
     }
 
-    fn set(&self, b: [f32; 3], view: &View, pixel: &mut Solid) {
+    fn set(&self, b: [f32; 3], view: &View, pixel: &mut Fragment) {
         let sum = |of: fn(&Corner) -> f32| (0..3).map(|n| b[n] * of(&self.corners[n])).sum::<f32>();
         let q = sum(|corner| corner.q);
         let depth = if view.parallel { q } else { 1.0 / q };
         if depth < pixel.depth {
             let part = |n: usize| b[n] * if view.parallel { 1.0 } else { self.corners[n].q };
             let normal = (0..3).map(|n| part(n) * self.corners[n].normal).sum();
-            *pixel = Solid { depth, normal, material: self.material };
+            *pixel = Fragment { depth, normal, material: self.material };
         }
     }
 }
