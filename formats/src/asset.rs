@@ -89,7 +89,8 @@ pub struct QuadratureSpec {
     pub degree: u32,
     /// Points inside the ball.
     pub points: u64,
-    /// Volume that the rule gives the full ball, m^3 (the exact one is 4/3 pi r^3); in two dimensions the disc's area, m^2.
+    /// Volume that the rule gives the full ball, m^3 (the exact one is 4/3 pi r^3). In two dimensions the disc's area,
+    /// m^2.
     pub ball_volume: f64,
 }
 

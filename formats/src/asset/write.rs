@@ -47,8 +47,8 @@ pub(super) fn encode(tree: &Tree, compression: Compression) -> Result<Vec<u8>, A
     Ok(bytes)
 }
 
-/// That crate writes files only. This one needn't outlast a power cut, nor leave the system's cache, and has a name no
-/// longer than it takes to open it, so that killed programs leave nothing (but on Windows, where open files keep theirs).
+/// That crate writes files only. The scratch file needn't outlast a power cut, nor leave the system's cache. It loses
+/// its name as soon as it is open, so that killed programs leave nothing (but on Windows, where open files keep theirs).
 fn to_bytes(tree: &Tree, compression: Compression) -> Result<Vec<u8>, AssetError> {
     let scratch = tempfile::Builder::new().prefix("volmap-").suffix(".h5").tempfile()?;
     let file = H5File::create(scratch.path()).map_err(asset_error)?;

@@ -5,6 +5,10 @@ use super::skipped::Skipped;
 use crate::text::quoted;
 use std::path::{Path, PathBuf};
 
+/// What to do with points.
+pub(super) const RECONSTRUCT: &str =
+    "reconstruct a surface first (in MeshLab: Filters > Remeshing > Screened Poisson)";
+
 /// Why a mesh could not be read, cleaned or placed.
 #[derive(Debug, thiserror::Error)]
 pub enum MeshError {
@@ -51,10 +55,7 @@ pub enum MeshError {
         cure: &'static str,
     },
     /// Points only.
-    #[error(
-        "a point cloud: {points} points and no faces; reconstruct a surface first \
-         (in MeshLab: Filters > Remeshing > Screened Poisson)"
-    )]
+    #[error("a point cloud: {points} points and no faces; {RECONSTRUCT}")]
     PointCloud {
         /// How many points.
         points: usize,

@@ -4,7 +4,7 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-use super::error::MeshError;
+use super::error::{MeshError, RECONSTRUCT};
 use super::raw::RawMesh;
 use super::text::{parse, without_bom, words};
 
@@ -295,16 +295,11 @@ impl MeshFormat {
 fn unknown(first_line: Option<&[u8]>) -> String {
     let numbers = first_line.map(|line| words(line).map(parse::<f64>).collect::<Option<Vec<_>>>());
     match numbers.flatten().map(|numbers| numbers.len()) {
-        Some(9) => {
-            "lines of nine numbers; if each line is the three corners of a triangle, name the file `.tri`; \
-                    if each is a point with its colour and normal, reconstruct a surface first"
-                .into()
-        }
-        Some(3..) => {
-            "lines of numbers, it seems a point cloud; reconstruct a surface first (in MeshLab: Filters > \
-                      Remeshing > Screened Poisson)"
-                .into()
-        }
+        Some(9) => format!(
+            "lines of nine numbers; if each line is the three corners of a triangle, name the file `.tri`; if each is a \
+             point with its colour and normal, {RECONSTRUCT}"
+        ),
+        Some(3..) => format!("lines of numbers, it seems a point cloud; {RECONSTRUCT}"),
         _ => format!(
             "neither the name nor the content is that of a known mesh format; export the mesh as one of {}",
             MeshFormat::list()

@@ -1,5 +1,5 @@
-//! Outlines: what bounds a solid in two dimensions. The line elements `l` of an OBJ ("Object Files (.obj)", appendix B1 of
-//! the Advanced Visualizer manual), as Blender and Inkscape write curves.
+//! Outlines: what bounds a solid in two dimensions. The line elements `l` of an OBJ ("Object Files (.obj)", appendix B1
+//! of the Advanced Visualizer manual), as Blender and Inkscape write curves.
 
 use std::path::Path;
 
@@ -13,14 +13,16 @@ use super::text::{Words, words};
 pub struct Outline {
     /// Positions, in the file's unit.
     pub points: Vec<[f64; 2]>,
-    /// Pairs of indices into `points`, which are in range and of different places. Every point has an even number of segments.
+    /// Pairs of indices into `points`, which are in range and of different places. Every point has an even number of
+    /// segments.
     pub segments: Vec<[u32; 2]>,
 }
 
 /// Reads the outline in the bytes of an OBJ file; `path` is named in errors.
 ///
 /// # Errors
-/// A [`MeshError`] that names the file: no OBJ, no lines, lines that aren't closed, vertices that aren't in one plane z.
+/// A [`MeshError`] that names the file: no OBJ, no lines, lines that aren't closed, vertices that aren't in one plane
+/// z.
 pub fn parse_outline(path: &Path, bytes: &[u8]) -> Result<Outline, MeshError> {
     guard::contain(obj::NAME, || read(bytes)).map_err(|error| error.in_file(path))
 }
@@ -83,7 +85,8 @@ fn check_flat(positions: &[[f64; 3]], segments: &[[u32; 2]], end: &Words) -> Res
     match segments.iter().flatten().find(|&&vertex| z(vertex) != plane) {
         None => Ok(()),
         Some(&vertex) => Err(end.bad(format!(
-            "vertex {} is at z = {}, but the outline begins at z = {plane}; an outline lies in one plane z: turn it there",
+            "vertex {} is at z = {}, but the outline begins at z = {plane}; an outline lies in one \
+             plane z: turn it there",
             vertex + 1,
             z(vertex)
         ))),
@@ -99,8 +102,8 @@ fn check_closed(positions: &[[f64; 3]], segments: &[[u32; 2]], end: &Words) -> R
         Some(vertex) => {
             let [x, y, _] = positions[vertex];
             Err(end.bad(format!(
-                "the outline is open: a line ends at vertex {} at ({x}, {y}); close it by the number of the vertex where it \
-                 begins, and join vertices that lie together",
+                "the outline is open: a line ends at vertex {} at ({x}, {y}); close it by the number of the \
+                 vertex where it begins, and join vertices that lie together",
                 vertex + 1
             )))
         }

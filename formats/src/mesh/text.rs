@@ -196,9 +196,11 @@ mod tests {
 
     #[test]
     fn numbers_of_all_kinds_are_read_and_rounded_correctly() {
-        let words = "0 -0 +1 1. .5 -.25 007 0.1 -123.456 1e5 1E-5 2.5e+07 9007199254740993 9007199254740992e22 1e23 1e-23 \
-                     1.7e-21 0.000000000000000001 0.30000000000000004 18446744073709551616 1e99999 1e-99999 4.9e-324 \
-                     1e100 1.0000000000000001e100 1.0000000000000002e100 - + . e5 1e 1e+ nan -inf infinity -.e1 1_0 0x1 1d5 --1 +-1";
+        let words = "0 -0 +1 1. .5 -.25 007 0.1 -123.456 1e5 1E-5 2.5e+07 9007199254740993 9007199254740992e22 1e23 \
+                     1e-23 1.7e-21 0.000000000000000001 0.30000000000000004 18446744073709551616 1e99999 1e-99999 \
+                     4.9e-324 1e100 1.0000000000000001e100 1.0000000000000002e100";
+        let others = "- + . e5 1e 1e+ nan -inf infinity -.e1 1_0 0x1 1d5 --1 +-1";
+        others.split_ascii_whitespace().for_each(agrees);
         words.split_ascii_whitespace().for_each(agrees);
         assert_eq!(number_at_start(b"1.5/2"), Some((1.5, 3)));
         assert_eq!(number_at_start(b"nan 1"), None);

@@ -52,7 +52,9 @@ mod tests {
         let end = bytes.windows(11).position(|w| w == b"end_header\n").unwrap() + 11;
         let header = std::str::from_utf8(&bytes[..end]).unwrap();
         assert!(header.contains("element vertex 50\nproperty float x\n"), "{header}");
-        assert!(header.ends_with("float vx\nproperty float vy\nproperty float vz\nproperty float density\nproperty uint id\nend_header\n"));
+        let properties = ["float vx", "float vy", "float vz", "float density", "uint id"];
+        let end_of_header = format!("property {}\nend_header\n", properties.join("\nproperty "));
+        assert!(header.ends_with(&end_of_header), "{header}");
         assert_eq!(bytes.len() - end, 50 * 4 * 8);
         let word = |n: usize| <[u8; 4]>::try_from(&bytes[end + 4 * n..][..4]).unwrap();
         assert_eq!(f32::from_le_bytes(word(3 * 8 + 4)), 3.0, "velocity of point 3 along y");

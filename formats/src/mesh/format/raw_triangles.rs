@@ -3,7 +3,7 @@
 //!
 //! Nothing but nine numbers is a triangle: three numbers a line are mostly a point cloud, six its normals, too.
 
-use crate::mesh::error::MeshError;
+use crate::mesh::error::{MeshError, RECONSTRUCT};
 use crate::mesh::raw::RawMesh;
 use crate::mesh::text::{Words, not_a_number, number, words};
 
@@ -49,13 +49,10 @@ fn triangle(here: &Words, line: &[u8]) -> Result<Option<[[f64; 3]; 3]>, MeshErro
 
 fn wrong_count(count: usize) -> String {
     let cure = match count {
-        3 => {
-            "if these are points, reconstruct a surface first (in MeshLab: Filters > Remeshing > Screened Poisson); if \
-             every three lines are a triangle, join them into one"
-        }
-        6 => {
-            "if these are points with normals, reconstruct a surface first (in MeshLab: Filters > Remeshing > Screened Poisson)"
-        }
+        3 => &format!(
+            "if these are points, {RECONSTRUCT}; if every three lines are a triangle, join them into one"
+        ),
+        6 => &format!("if these are points with normals, {RECONSTRUCT}"),
         12 => "split quadrilaterals into triangles",
         _ => "the line was cut or is damaged: export the file again",
     };
