@@ -48,7 +48,7 @@ pub(super) fn encode(tree: &Tree, compression: Compression) -> Result<Vec<u8>, A
 }
 
 /// That crate writes files only. The scratch file needn't outlast a power cut, nor leave the system's cache. It loses
-/// its name as soon as it is open, so that killed programs leave nothing (but on Windows, where open files keep theirs).
+/// its name as soon as it is open, so that killed programs leave nothing. (On Windows open files keep their names.)
 fn to_bytes(tree: &Tree, compression: Compression) -> Result<Vec<u8>, AssetError> {
     let scratch = tempfile::Builder::new().prefix("volmap-").suffix(".h5").tempfile()?;
     let file = H5File::create(scratch.path()).map_err(asset_error)?;

@@ -296,8 +296,8 @@ fn unknown(first_line: Option<&[u8]>) -> String {
     let numbers = first_line.map(|line| words(line).map(parse::<f64>).collect::<Option<Vec<_>>>());
     match numbers.flatten().map(|numbers| numbers.len()) {
         Some(9) => format!(
-            "lines of nine numbers; if each line is the three corners of a triangle, name the file `.tri`; if each is a \
-             point with its colour and normal, {RECONSTRUCT}"
+            "lines of nine numbers; if each line is the three corners of a triangle, name the file `.tri`; if each is \
+             a point with its colour and normal, {RECONSTRUCT}"
         ),
         Some(3..) => format!("lines of numbers, it seems a point cloud; {RECONSTRUCT}"),
         _ => format!(
