@@ -12,8 +12,8 @@ use super::{Asset, CellRun, Dimension, Exterior, GridSpec, QuadratureSpec};
 
 /// Value of the root attribute `format`.
 pub const FORMAT_NAME: &str = "volmap";
-/// The newest version that is read. A file gets the lowest version that holds its content: 1 in space, 2 with a density;
-/// 3 and 4 are the same in the plane.
+/// The newest version that is read. A file gets the lowest version that holds its content: 1 in space, 2 with a
+/// density; 3 and 4 are the same in the plane.
 pub const FORMAT_VERSION: u64 = 4;
 
 pub(super) const GROUPS: [&str; 8] =
