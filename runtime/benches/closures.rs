@@ -1,7 +1,7 @@
 //! How right and how fast closures are: `cargo bench -p volmap-runtime --bench closures`.
 //!
-//! The table of `BENCHMARKS.md`: the ratio of the density to the exact one over all distances and places of a shape, and
-//! its largest error in parts of the rest density.
+//! The table of `BENCHMARKS.md`: the ratio of the density to the exact one over all distances and places of a shape,
+//! and its largest error in parts of the rest density.
 
 #[path = "../tests/shapes/mod.rs"]
 mod shapes;

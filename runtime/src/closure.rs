@@ -9,16 +9,16 @@
 //!   grad rho_B = rho_0 R'(Phi) (V / V_plane(Phi))^beta(Phi) n
 //!   ```
 //!   the integral itself at a flat wall, and to first order in curvature on bowls and balls;
-//! - [`wedge`]: the same, but where V < V_plane the exponent grows with the deficit up to what a convex edge of 90 degrees
-//!   needs; a second look at the map, into the solid, tells edges from balls ([`Closure::density_probing`]);
-//! - [`lattice`]: as `calibrated`, R being what a half space of particles on a lattice adds instead of a continuum, so that
-//!   a fluid's layers rest at rp, 3 rp, ..;
-//! - [`image`] (`mirror`): what the fluid's mirror image adds ([`mirror`]), as a function of the volume alone, of a map with
-//!   a quarter of the kernel's support radius: value, slope and mirrored pressure belong together, so that a fluid comes to
-//!   rest, at rp from walls and calmly, in edges and corners too.
+//! - [`wedge`]: the same, but where V < V_plane the exponent grows with the deficit up to what a convex edge of 90
+//!   degrees needs; a second look at the map, into the solid, tells edges from balls ([`Closure::density_probing`]);
+//! - [`lattice`]: as `calibrated`, R being what a half space of particles on a lattice adds instead of a continuum, so
+//!   that a fluid's layers rest at rp, 3 rp, ..;
+//! - [`image`] (`mirror`): what the fluid's mirror image adds ([`mirror`]), as a function of the volume alone, of a map
+//!   with a quarter of the kernel's support radius: value, slope and mirrored pressure belong together, so that a fluid
+//!   comes to rest, at rp from walls and calmly, in edges and corners too.
 //!
-//! The gradient of these is that along the normal, at constant V / V_plane; with the gradient of V, which the map gives too,
-//! it is the true one ([`SurfaceWithGradient`]).
+//! The gradient of these is that along the normal, at constant V / V_plane; with the gradient of V, which the map gives
+//! too, it is the true one ([`SurfaceWithGradient`]).
 //!
 //! Tables are computed when a [`Closure`] is made, which takes milliseconds, and only read afterwards.
 //!
@@ -66,13 +66,13 @@ pub struct Closure {
 }
 
 impl VolumeMap {
-    /// A closure for this map, and particles of radius rp = `particle_radius` (metres; half of their spacing). It may serve
-    /// other maps too: [`Closure::check`].
+    /// A closure for this map, and particles of radius rp = `particle_radius` (metres; half of their spacing). It may
+    /// serve other maps too: [`Closure::check`].
     ///
     /// # Errors
     /// A map of another support radius than the kind needs for this kernel ([`ClosureKind::map_radius`]), or of other
-    /// dimensions than the kernel; a kind that isn't known in the map's dimensions; a particle radius that isn't positive
-    /// and finite.
+    /// dimensions than the kernel; a kind that isn't known in the map's dimensions; a particle radius that isn't
+    /// positive and finite.
     pub fn closure(
         &self,
         kind: ClosureKind,
@@ -132,9 +132,9 @@ impl Closure {
         self.setup.particle_radius
     }
 
-    /// Density, gradient and sample point for a particle at `position` (metres) that sees a surface; `None` where the boundary
-    /// adds nothing. With a [`SurfaceWithGradient`] the gradient is the true one. `wedge` takes what bends away from the
-    /// particle for an edge.
+    /// Density, gradient and sample point for a particle at `position` (metres) that sees a surface; `None` where the
+    /// boundary adds nothing. With a [`SurfaceWithGradient`] the gradient is the true one. `wedge` takes what bends
+    /// away from the particle for an edge.
     #[inline]
     pub fn density<'a>(
         &self,
@@ -145,7 +145,8 @@ impl Closure {
     }
 
     /// As [`Closure::density`], where `wedge` asks for the distance (metres) at a second point below the surface, for
-    /// particles that see much less volume than a flat wall's: `|x| map.values(x).distance`. The other closures don't ask.
+    /// particles that see much less volume than a flat wall's: `|x| map.values(x).distance`. The other closures don't
+    /// ask.
     #[inline]
     pub fn density_probing<'a>(
         &self,
@@ -156,9 +157,9 @@ impl Closure {
         self.answer(Particle { seen: seen.into(), position: position.into(), probe: Some(&distance) })
     }
 
-    /// The solid's volume (m^3) in the ball of the kernel's support radius r, for what else than density weighs a boundary by
-    /// it. A map of a smaller radius doesn't know it: it is then that of a flat wall, led to zero between r/4 and r/2, where
-    /// the map ends.
+    /// The solid's volume (m^3) in the ball of the kernel's support radius r, for what else than density weighs a
+    /// boundary by it. A map of a smaller radius doesn't know it: it is then that of a flat wall, led to zero between
+    /// r/4 and r/2, where the map ends.
     pub fn volume(&self, surface: &Surface) -> f64 {
         self.model.volume(surface)
     }

@@ -58,8 +58,8 @@ impl KernelKind {
         }
     }
 
-    /// W in two dimensions over W in three, both for support radius 1: the thickness (in support radii) of the layer of space
-    /// that stands for the plane. Sums of area times the one are sums of area times thickness times the other.
+    /// W in two dimensions over W in three, both for support radius 1: the thickness (in support radii) of the layer of
+    /// space that stands for the plane. Sums of area times the one are sums of area times thickness times the other.
     pub fn plane_thickness(self) -> f64 {
         match self {
             KernelKind::CubicSpline => 5.0 / 7.0,

@@ -1,8 +1,8 @@
 //! Volume maps at run time: open an asset, validate it once, then ask for distance, normal, closest point and
 //! boundary volume at any point, in constant time.
 //!
-//! Bender et al. 2020, *Implicit Frictional Boundary Handling for SPH*: V is Eq. 12, Phi is Eq. 10, both interpolated by
-//! cubic Serendipity elements on a sparse band of cells. All lengths are metres, in the map's frame.
+//! Bender et al. 2020, *Implicit Frictional Boundary Handling for SPH*: V is Eq. 12, Phi is Eq. 10, both interpolated
+//! by cubic Serendipity elements on a sparse band of cells. All lengths are metres, in the map's frame.
 //!
 //! # Open and sample
 //!
@@ -31,9 +31,9 @@
 //!
 //! # Many points
 //!
-//! A batch is two to four times as fast as single samples and gives the same bits; sort particles by place. What is asked
-//! for is the type of the answers: [`Sample`], [`Sample<SurfaceWithGradient>`](SurfaceWithGradient), [`Values`] (distance
-//! and volume alone, the cheapest), or `Option<`[`MapDensity`]`>`.
+//! A batch is two to four times as fast as single samples and gives the same bits; sort particles by place. What is
+//! asked for is the type of the answers: [`Sample`], [`Sample<SurfaceWithGradient>`](SurfaceWithGradient), [`Values`]
+//! (distance and volume alone, the cheapest), or `Option<`[`MapDensity`]`>`.
 //!
 //! ```
 //! # mod ball { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/ball/mod.rs")); }
@@ -49,8 +49,8 @@
 //!
 //! # Moving bodies
 //!
-//! Any number of bodies share one map. Each has a rigid [`Pose`], which may change at any time; scaling is not possible, for
-//! V depends on the support radius.
+//! Any number of bodies share one map. Each has a rigid [`Pose`], which may change at any time; scaling is not
+//! possible, for V depends on the support radius.
 //!
 //! ```
 //! # mod ball { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/ball/mod.rs")); }
@@ -66,7 +66,8 @@
 //!
 //! # From volume to density
 //!
-//! A [`Closure`] makes the boundary's density of its volume, for one kernel. A map makes it and says so if it doesn't fit:
+//! A [`Closure`] makes the boundary's density of its volume, for one kernel. A map makes it and says so if it doesn't
+//! fit:
 //!
 //! ```
 //! # mod ball { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/ball/mod.rs")); }
@@ -90,17 +91,17 @@
 //!
 //! # Two dimensions
 //!
-//! Maps in two dimensions ([`Dimension::Two`]) answer the same questions for points (x, y): z plays no part, volumes are
-//! areas, directions have no z. [`Kernel::in_plane`] is for them.
+//! Maps in two dimensions ([`Dimension::Two`]) answer the same questions for points (x, y): z plays no part, volumes
+//! are areas, directions have no z. [`Kernel::in_plane`] is for them.
 //!
 //! # Guaranteed
 //!
 //! - After [`VolumeMap::open`] no query fails or panics, whatever the point; NaN is outside.
 //! - A damaged, foreign or newer file is an error that names the file and the cure, never a wrong number.
-//!   `volmap-formats` checks the file and whether its parts fit each other ([`Asset::check`]); this crate checks that the
-//!   values are as many as the nodes.
-//! - Memory is bounded by the file's size (thrice in two dimensions) and 28 bytes a row of the grid's cells, of which there
-//!   are at most 2^24.
+//!   `volmap-formats` checks the file and whether its parts fit each other ([`Asset::check`]); this crate checks that
+//!   the values are as many as the nodes.
+//! - Memory is bounded by the file's size (thrice in two dimensions) and 28 bytes a row of the grid's cells, of which
+//!   there are at most 2^24.
 //! - Answers don't depend on the thread, the batch, the order or the processor, to the bit.
 //! - A map is `Send + Sync`, and a query takes no lock and allocates nothing.
 //!

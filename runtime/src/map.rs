@@ -31,8 +31,8 @@ pub(crate) struct DensityNodes {
 }
 
 impl VolumeMap {
-    /// In how many dimensions the map is. In two, z plays no part: volumes are areas (m^2), their gradients are in m, and
-    /// directions lie in the plane.
+    /// In how many dimensions the map is. In two, z plays no part: volumes are areas (m^2), their gradients are in m,
+    /// and directions lie in the plane.
     pub fn dimension(&self) -> Dimension {
         self.dimension
     }
@@ -42,8 +42,8 @@ impl VolumeMap {
         &self.grid
     }
 
-    /// Radius r of the balls whose solid part is the map's volume, metres: the support radius of the kernels that it was
-    /// baked for, or a quarter of it ([`ClosureKind::map_radius`](crate::ClosureKind::map_radius)).
+    /// Radius r of the balls whose solid part is the map's volume, metres: the support radius of the kernels that it
+    /// was baked for, or a quarter of it ([`ClosureKind::map_radius`](crate::ClosureKind::map_radius)).
     pub fn support_radius(&self) -> f64 {
         self.support_radius
     }

@@ -1,8 +1,8 @@
 //! Opening a map: what a query relies on.
 //!
-//! `volmap-formats` guarantees what is about the file alone ([`Asset::check`]): a finite grid, cells in it and in order,
-//! fields of one length and type with finite values. Here the tables are derived, and what they show is checked: that there
-//! is a value for each node.
+//! `volmap-formats` guarantees what is about the file alone ([`Asset::check`]): a finite grid, cells in it and in
+//! order, fields of one length and type with finite values. Here the tables are derived, and what they show is checked:
+//! that there is a value for each node.
 
 use crate::error::Error;
 use crate::grid::Grid;

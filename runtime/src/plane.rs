@@ -1,15 +1,16 @@
 //! Maps in two dimensions: Bender et al. 2020, Fig. 11.
 //!
 //! Their element is the cubic Serendipity quadrilateral of 12 nodes, 4 corners and 2 on each edge. The hexahedron of 32
-//! nodes ([`crate::layout::serendipity`]) whose values don't depend on z is the same function, for its shape functions reproduce
-//! those of the quadrilateral. So such a map is held as one layer of hexahedra, endless along z, and is asked as any other.
+//! nodes ([`crate::layout::serendipity`]) whose values don't depend on z is the same function, for its shape functions
+//! reproduce those of the quadrilateral. So such a map is held as one layer of hexahedra, endless along z, and is asked
+//! as any other.
 
 use crate::grid::Grid;
 use crate::layout::{Family, Nodes};
 use volmap_formats::asset::{Array, Rounded};
 
-/// Nodes in the plane, of each family that has some there: corners, x-edges, y-edges. They are stored in this order, each
-/// family by (j, i).
+/// Nodes in the plane, of each family that has some there: corners, x-edges, y-edges. They are stored in this order,
+/// each family by (j, i).
 pub(crate) struct PlaneNodes([usize; 3]);
 
 impl PlaneNodes {

@@ -44,8 +44,8 @@ impl VolumeMap {
         self.answer(point.into())
     }
 
-    /// Boundary density and its gradient at a point; both 0 outside the band. `None` if the map holds no density, and deep
-    /// inside the solid, where it isn't known.
+    /// Boundary density and its gradient at a point; both 0 outside the band. `None` if the map holds no density, and
+    /// deep inside the solid, where it isn't known.
     ///
     /// The map holds rho_B / rho0 of Eq. 9 at its nodes, for one SPH kernel ([`VolumeMap::density_kernel`]). As in the
     /// papers, the gradient is that of the interpolated density: it jumps between cells.
@@ -58,8 +58,8 @@ impl VolumeMap {
         self.values(point).distance < 0.0
     }
 
-    /// The answers for many points into `answers`, whose old content is dropped: the same bits as one by one, two to four
-    /// times as fast. What is asked for is the type of `answers`.
+    /// The answers for many points into `answers`, whose old content is dropped: the same bits as one by one, two to
+    /// four times as fast. What is asked for is the type of `answers`.
     pub fn sample_batch<A: Answer>(&self, points: &[DVec3], answers: &mut Vec<A>) {
         answers.resize(points.len(), A::NONE);
         A::all(self, points, answers);

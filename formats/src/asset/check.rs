@@ -8,8 +8,8 @@ use super::{Asset, CellRun, Dimension, GridSpec, MAX_CELLS_PER_AXIS, MAX_ROWS};
 
 impl Asset {
     /// Checks the asset: the grid is a finite box of 1 to 2^20 cells an axis and at most 2^24 rows, of one layer in two
-    /// dimensions; lengths and integrals are positive and finite; the cells lie in the grid, in order, each in one run at
-    /// most; the fields have one length and type, and finite values. Reading a file does this too.
+    /// dimensions; lengths and integrals are positive and finite; the cells lie in the grid, in order, each in one run
+    /// at most; the fields have one length and type, and finite values. Reading a file does this too.
     ///
     /// Not checked: that there are as many values as nodes. Numbering the nodes is up to who uses them.
     ///

@@ -1,15 +1,15 @@
 //! Closure `mirror`: the density of the fluid's mirror image as a function of the boundary's volume.
 //!
 //! The image's density R_mirror ([`mirror`](super::mirror)) ends at half of the kernel's support radius r. So does the
-//! volume V of a map of support radius r / 4, whose extension (Eq. 13 of Bender et al. 2020) reaches as far again as its
-//! ball; and at a flat wall one is nearly in proportion to the other:
+//! volume V of a map of support radius r / 4, whose extension (Eq. 13 of Bender et al. 2020) reaches as far again as
+//! its ball; and at a flat wall one is nearly in proportion to the other:
 //! ```text
 //! R_mirror(d) = F(V_plane(d)),   rho_B = rho_0 F(V),   grad rho_B = rho_0 F'(V) grad V
 //! ```
 //! V is a sum over the solid, and so F(V) is, nearly, the image's density wherever walls meet as well: at r = 4 rp the
-//! particle next to a concave edge gets 0.26 (0.28 to fill up a lattice), that in a corner 0.35 (0.39). And V is smooth where
-//! the distance isn't: at the ridge of a concave edge the closest point jumps, and along it a fluid shivers whose density
-//! follows the distance. Distance and normal don't matter here.
+//! particle next to a concave edge gets 0.26 (0.28 to fill up a lattice), that in a corner 0.35 (0.39). And V is smooth
+//! where the distance isn't: at the ridge of a concave edge the closest point jumps, and along it a fluid shivers whose
+//! density follows the distance. Distance and normal don't matter here.
 //!
 //! In two dimensions all is the same with areas.
 
@@ -38,8 +38,8 @@ struct Image {
     /// 1 / (support radius of the map)^d, and 1 / it.
     per_volume: f64,
     per_radius: f64,
-    /// Over u, the fourth root of V: F, and the slope of R_mirror over the distance. Both end as powers, u is where they are
-    /// smooth.
+    /// Over u, the fourth root of V: F, and the slope of R_mirror over the distance. Both end as powers, u is where
+    /// they are smooth.
     table: Table<2>,
     /// Over the distance in r: the half space's volume in the ball of r, m^3, with an end at r / 2.
     wide: Table<1>,
@@ -62,7 +62,8 @@ impl Image {
             let n = (u / step).round() as usize;
             let [value, slope, along] = nodes[n];
             let (below, above) = (nodes[n.saturating_sub(1)], nodes[(n + 1).min(INTERVALS)]);
-            // Where the ball is nearly full F grows without limit over u: it must not overshoot (Fritsch and Carlson 1980).
+            // Where the ball is nearly full F grows without limit over u: it must not overshoot (Fritsch and Carlson
+            // 1980).
             let least_rise = (value - below[0]).min(above[0] - value).max(0.0);
             let most = if n == 0 { 0.0 } else { 3.0 * least_rise / step };
             [[value, slope.min(most)], [along, (above[2] - below[2]) / (2.0 * step)]]
@@ -79,7 +80,8 @@ impl Image {
 }
 
 impl Model for Image {
-    /// Without the gradient of the volume its own is that at a flat wall, along the normal. `None` where there is no volume.
+    /// Without the gradient of the volume its own is that at a flat wall, along the normal. `None` where there is no
+    /// volume.
     fn density(&self, particle: Particle) -> Option<BoundaryDensity> {
         let surface = particle.seen.surface;
         let root = (surface.volume * self.per_volume).sqrt().sqrt();

@@ -22,8 +22,8 @@ pub enum ClosureKind {
     Wedge,
     /// As `calibrated`, from a lattice of particles in the wall: for fluids whose particles lie in layers.
     Lattice,
-    /// From the fluid's mirror image, by maps of a quarter of the kernel's support radius: particles rest at one particle
-    /// radius from a wall, calmly.
+    /// From the fluid's mirror image, by maps of a quarter of the kernel's support radius: particles rest at one
+    /// particle radius from a wall, calmly.
     Mirror,
 }
 
@@ -33,8 +33,8 @@ struct Facts {
     name: &'static str,
     /// The kernel's support radius over the maps'.
     radii_per_map_radius: f64,
-    /// Cells of its maps in their support radius. Where two walls meet, the map's distance is too small by up to a quarter of
-    /// a cell: closures that go by the distance need smaller cells than those that go by the volume.
+    /// Cells of its maps in their support radius. Where two walls meet, the map's distance is too small by up to a
+    /// quarter of a cell: closures that go by the distance need smaller cells than those that go by the volume.
     cells_per_map_radius: f64,
     /// Factor on the cells' edge for bodies that turn.
     turning: f64,
@@ -113,14 +113,14 @@ impl ClosureKind {
         self.facts().is_in_plane
     }
 
-    /// Whether its density has the mirrored pressure of the fluid in it (Eq. 15 of Bender et al. 2020): half of its gradient is
-    /// the image's.
+    /// Whether its density has the mirrored pressure of the fluid in it (Eq. 15 of Bender et al. 2020): half of its
+    /// gradient is the image's.
     pub fn has_image(self) -> bool {
         self.facts().has_image
     }
 
-    /// Whether its particle radius is half the edge of a cube of a particle's volume; else half of the particles' spacing,
-    /// whatever their volume.
+    /// Whether its particle radius is half the edge of a cube of a particle's volume; else half of the particles'
+    /// spacing, whatever their volume.
     pub fn follows_volume(self) -> bool {
         self.facts().follows_volume
     }

@@ -1,4 +1,5 @@
-//! Closure `lattice`: the density of a wall for particles on a lattice, what a half space of particles adds, rather than a continuum.
+//! Closure `lattice`: the density of a wall for particles on a lattice, what a half space of particles adds, rather
+//! than a continuum.
 //!
 //! Fluid at rest lies in layers. Let the wall be filled with the continuation of the fluid's cubic lattice, spacing
 //! a = 2 rp, volume a^3 each, its first layer rp behind the surface. A particle at height d above one of the sites gets
@@ -7,8 +8,8 @@
 //! L(z) = a^3 sum over i, j of W(sqrt(z^2 + (i a)^2 + (j a)^2))
 //! ```
 //! At the resting heights d = rp, 3 rp, 5 rp, .. the fluid above and R_lattice together are the sum over the full
-//! lattice, and the fluid's gradient and R_lattice' cancel: with equal pressures no layer moves. The continuum's R gives
-//! the first layer too much (0.188 instead of 0.150; cubic spline, r = 4 rp), which pushes it off the wall.
+//! lattice, and the fluid's gradient and R_lattice' cancel: with equal pressures no layer moves. The continuum's R
+//! gives the first layer too much (0.188 instead of 0.150; cubic spline, r = 4 rp), which pushes it off the wall.
 
 use super::model::{Model, Setup};
 use super::plane;
@@ -25,8 +26,8 @@ pub(super) fn new(setup: &Setup) -> Arc<dyn Model> {
     Arc::new(Walls::new(setup.kernel, layers, None))
 }
 
-/// R_lattice and its derivative at d >= 0; `None` where the lattice is too fine for its sum to matter, or none. Lengths in
-/// support radii.
+/// R_lattice and its derivative at d >= 0; `None` where the lattice is too fine for its sum to matter, or none. Lengths
+/// in support radii.
 pub(crate) fn density(kernel: KernelKind, particle_radius: f64, d: f64) -> Option<[f64; 2]> {
     let spacing = 2.0 * particle_radius;
     if !(spacing * FINEST >= 1.0 && spacing.is_finite()) {

@@ -1,16 +1,17 @@
 //! The density of a wall in which a particle sees the mirror image of the fluid, layer by layer.
 //!
-//! Let a particle be at distance d, in the layer of the fluid next to the wall. Its own layer's image lies at 2 d from it,
-//! the images of the layers above at a = 2 rp each behind that one. A layer is a sheet of volume a for each area, so
+//! Let a particle be at distance d, in the layer of the fluid next to the wall. Its own layer's image lies at 2 d from
+//! it, the images of the layers above at a = 2 rp each behind that one. A layer is a sheet of volume a for each area,
+//! so
 //! ```text
 //! R_mirror(d)  = a sum over k = 0, 1, .. of W_1(2 d + k a),   W_1(z) = 2 pi integral from |z| to 1 of W(s) s ds
 //! R_mirror'(d) = -4 pi a sum of z W(z) at z = 2 d + k a
 //! ```
-//! (in two dimensions layers are lines, and W_1(z) = 2 integral of W(sqrt(z^2 + t^2)) dt from t = 0 on).
-//! At d = rp that is the density of the layers that a wall filled with more fluid would have. The image moves as the
-//! particle does, so the slope is twice that of a wall at rest: it holds the mirrored pressure of Akinci et al. 2012
-//! (Eq. 15 of Bender et al. 2020, the term with p~ = p_i), as the derivative of a density. So forces are conservative, and
-//! under equal pressure the first layer is in equilibrium at d = rp, where the fluid pushes it as much as the image does.
+//! (in two dimensions layers are lines, and W_1(z) = 2 integral of W(sqrt(z^2 + t^2)) dt from t = 0 on). At d = rp that
+//! is the density of the layers that a wall filled with more fluid would have. The image moves as the particle does, so
+//! the slope is twice that of a wall at rest: it holds the mirrored pressure of Akinci et al. 2012 (Eq. 15 of Bender et
+//! al. 2020, the term with p~ = p_i), as the derivative of a density. So forces are conservative, and under equal
+//! pressure the first layer is in equilibrium at d = rp, where the fluid pushes it as much as the image does.
 //!
 //! Nearer than where it is steepest, R_mirror goes on along its tangent: images never let a particle through.
 

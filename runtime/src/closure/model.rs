@@ -16,8 +16,8 @@ pub struct BoundaryDensity {
     pub point: DVec3,
 }
 
-/// What a closure is told of the surface: a [`Surface`], or better a [`SurfaceWithGradient`], with which the gradient of
-/// the density is the true one. Both convert into it.
+/// What a closure is told of the surface: a [`Surface`], or better a [`SurfaceWithGradient`], with which the gradient
+/// of the density is the true one. Both convert into it.
 #[derive(Clone, Copy, Debug)]
 pub struct Seen<'a> {
     pub(super) surface: &'a Surface,
@@ -42,7 +42,8 @@ impl<'a> From<&'a SurfaceWithGradient> for Seen<'a> {
 /// The distance (metres) at a point of the map.
 pub(super) type Probe<'a> = &'a dyn Fn(DVec3) -> f64;
 
-/// A particle for which a density is wanted: it sees some volume, and the surface is nearer than the kernel's support radius.
+/// A particle for which a density is wanted: it sees some volume, and the surface is nearer than the kernel's support
+/// radius.
 #[derive(Clone, Copy)]
 pub(super) struct Particle<'a> {
     pub seen: Seen<'a>,

@@ -5,7 +5,8 @@
 use super::model::{BoundaryDensity, Model, Particle, Setup};
 use std::sync::Arc;
 
-/// The factor on V: its particles have 0.8 (2 rp)^3 instead of the cube's volume, and so its boundaries have less as well.
+/// The factor on V: its particles have 0.8 (2 rp)^3 instead of the cube's volume, and so its boundaries have less as
+/// well.
 const FACTOR: f64 = 0.8;
 
 #[derive(Debug)]

@@ -39,8 +39,8 @@ pub(crate) fn volume(d: f64) -> [f64; 2] {
     [solid + over_ball(extension), over_ball(extension_slope)]
 }
 
-/// The same of the half plane in two dimensions: V(d) = 2 integral from -1 to 1 of (1 - z^2)^(1/2) g(d + z) dz, in the angle
-/// whose sine is z.
+/// The same of the half plane in two dimensions: V(d) = 2 integral from -1 to 1 of (1 - z^2)^(1/2) g(d + z) dz, in the
+/// angle whose sine is z.
 pub(crate) fn area(d: f64) -> [f64; 2] {
     let angle = |z: f64| z.clamp(-1.0, 1.0).asin();
     let breaks = [-d, 0.5 - d, 1.0 - d].map(angle);

@@ -18,8 +18,8 @@ impl<const N: usize> Table<N> {
         Table { low, per_step: 1.0 / step, nodes: (0..=intervals).map(node).collect() }
     }
 
-    /// Keeps function `n`, which falls everywhere, from undershooting where it comes to its end as a high power: Fritsch
-    /// and Carlson 1980, *Monotone Piecewise Cubic Interpolation*.
+    /// Keeps function `n`, which falls everywhere, from undershooting where it comes to its end as a high power:
+    /// Fritsch and Carlson 1980, *Monotone Piecewise Cubic Interpolation*.
     pub fn limit(mut self, n: usize) -> Table<N> {
         let values: Vec<f64> = self.nodes.iter().map(|node| node[n][0]).collect();
         for (interval, rise) in values.windows(2).map(|pair| pair[1] - pair[0]).enumerate() {

@@ -27,8 +27,8 @@ const PROBE_DEPTH: f64 = 0.25;
 /// 120 degrees 0.13. Below it the exponent is led over to that of a ball.
 const PROBE_EDGE: f64 = 0.15;
 
-/// Part of an edge's volume deficit below which a probe isn't worth its time: there the exponents differ by less than 3 %
-/// of the way, the densities by 0.2 %.
+/// Part of an edge's volume deficit below which a probe isn't worth its time: there the exponents differ by less than 3
+/// % of the way, the densities by 0.2 %.
 const PROBE_FROM: f64 = 0.1;
 
 /// What is tabulated of walls.
@@ -65,7 +65,8 @@ struct Exponent {
 }
 
 impl Walls {
-    /// With the half space's density R and its derivative over the distance d >= 0 (in support radii), and what edges are.
+    /// With the half space's density R and its derivative over the distance d >= 0 (in support radii), and what edges
+    /// are.
     pub fn new(kernel: Kernel, density: impl Fn(f64) -> [f64; 2], edges: Option<Table<2>>) -> Walls {
         let radius = kernel.support_radius();
         // In the solid along a tangent.
@@ -134,8 +135,8 @@ impl Model for Walls {
     }
 }
 
-/// The exponent at distance d of a place that has `ratio` < 1 of a flat wall's volume: from the flat wall's to the edge's
-/// by a smooth step, which follows the way from the face of an edge around it to within 4 %.
+/// The exponent at distance d of a place that has `ratio` < 1 of a flat wall's volume: from the flat wall's to the
+/// edge's by a smooth step, which follows the way from the face of an edge around it to within 4 %.
 fn towards_edge(
     flat: Exponent,
     edges: &Table<2>,

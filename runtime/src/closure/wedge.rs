@@ -1,15 +1,15 @@
 //! Closure `wedge`: as `calibrated`, and close to exact at convex edges.
 //!
-//! What a particle sees of a convex edge of 90 degrees, straight in front of it (on its bisector), against a flat wall at
-//! the same distance: the second point, beside the flat wall, through which the closure `wedge` leads the exponent.
+//! What a particle sees of a convex edge of 90 degrees, straight in front of it (on its bisector), against a flat wall
+//! at the same distance: the second point, beside the flat wall, through which the closure `wedge` leads the exponent.
 //!
-//! The extension g of Eq. 13 of Bender et al. 2020 reaches r beyond the surface and rounds the edge off, so V falls less
-//! there than the density does: with V the exponent must grow from beta, at V = V_plane, to
+//! The extension g of Eq. 13 of Bender et al. 2020 reaches r beyond the surface and rounds the edge off, so V falls
+//! less there than the density does: with V the exponent must grow from beta, at V = V_plane, to
 //! ```text
 //! e(d) = ln(R_edge(d) / R(d)) / ln(V_edge(d) / V_plane(d))
 //! ```
-//! The edge runs along y; the particle is at (c, c), c = d / sqrt 2, from it, the solid where x < 0 and z < 0. All lengths
-//! in support radii.
+//! The edge runs along y; the particle is at (c, c), c = d / sqrt 2, from it, the solid where x < 0 and z < 0. All
+//! lengths in support radii.
 
 use super::model::{Model, Setup};
 use super::plane;

@@ -137,8 +137,8 @@ pub fn plate_end(name: &'static str, thickness: f64) -> Shape {
     shape(name, phi, places)
 }
 
-/// Exact density over rest density and volume at a point: midpoint sums over a lattice of 2 / `steps`, the surface's cells
-/// in part.
+/// Exact density over rest density and volume at a point: midpoint sums over a lattice of 2 / `steps`, the surface's
+/// cells in part.
 pub fn integrate(phi: &dyn Fn(DVec3) -> f64, kernel: &Kernel, x: DVec3, steps: i32) -> (f64, f64) {
     let h = 2.0 / f64::from(steps);
     let at = |n: i32| (f64::from(n) + 0.5) * h - 1.0;

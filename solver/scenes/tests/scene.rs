@@ -64,6 +64,17 @@ fn what_is_given_is_read_and_the_rest_is_default() {
 }
 
 #[test]
+fn kernels_have_one_name_and_older_ones_are_read() {
+    let with = |kernel: &str| {
+        toml(&SCENE.replacen("version = 1", &format!("version = 1\nkernel = \"{kernel}\""), 1))
+    };
+    assert_eq!(with("cubic-spline").unwrap(), with("cubic_spline").unwrap());
+    let scene = with("wendland-c2").unwrap();
+    assert_eq!(scene, with("wendland_c2").unwrap());
+    assert!(serde_json::to_string(&scene).unwrap().contains("\"kernel\":\"wendland_c2\""));
+}
+
+#[test]
 fn toml_and_json_are_the_same() {
     let scene = toml(SCENE).unwrap();
     assert_eq!(json(&serde_json::to_string_pretty(&scene).unwrap()).unwrap(), scene);
