@@ -422,10 +422,8 @@ impl Parameters {
     pub fn over(&self, base: &Parameters) -> Parameters {
         let mut out = self.clone();
         for row in base.given() {
-            let excludes = |other: &Parameter| {
-                other.name == row.name || row.group.is_some_and(|g| other.group == Some(g))
-            };
-            if !self.given().any(excludes) {
+            let is_excluded = (row.is_given)(self) || row.group.is_some_and(|group| self.gives(group));
+            if !is_excluded {
                 (row.copy)(base, &mut out);
             }
         }
