@@ -288,7 +288,8 @@ fn parameters_that_contradict_the_scene_are_refused_and_both_are_named() {
     assert!(volume(radius).unwrap_err().starts_with("bodies[0].bake.particle_radius: "));
     let error = density(Parameters { density: Some(false), ..Parameters::default() });
     assert!(error.starts_with("bodies[0].bake.density: ") && error.contains("density_map"), "{error}");
-    let error = density(Parameters { kernel: Some(DensityKernel(KernelKind::WendlandC2)), ..Parameters::default() });
+    let error =
+        density(Parameters { kernel: Some(DensityKernel(KernelKind::WendlandC2)), ..Parameters::default() });
     assert!(
         error.starts_with("bodies[0].bake.kernel: is wendland_c2, but kernel = \"cubic_spline\""),
         "{error}"

@@ -282,14 +282,18 @@ impl<'a> Library<'a> {
 /// Containers with cells so many times larger are worth a note.
 const COARSE: f64 = 1.2;
 
-/// Errors of settings don't say which mesh they are about.
+/// What a bake says of its parameters, with the mesh that it is about and the scene's keys.
 fn cannot_bake(path: &Path, error: volmap_bake::Error) -> Error {
-    match error {
-        volmap_bake::Error::Setting { .. } | volmap_bake::Error::Memory { .. } => {
-            Error::Scene { place: path.display().to_string(), reason: format!("can't be baked: {error}") }
-        }
-        other => Error::Bake(other),
-    }
+    let reason = match error {
+        volmap_bake::Error::Setting { parameter, reason } => format!("bake.{parameter}: {reason}"),
+        volmap_bake::Error::Memory { needed, allowed } => format!(
+            "it would need about {} MiB, more than {} MiB; take larger cells (`bake.cell_size`)",
+            needed >> 20,
+            allowed >> 20
+        ),
+        other => return Error::Bake(other),
+    };
+    Error::Scene { place: path.display().to_string(), reason: format!("can't be baked: {reason}") }
 }
 
 fn open_asset(path: &Path) -> Result<Shape, Error> {
