@@ -2,6 +2,7 @@
 
 mod args;
 mod batch_progress;
+mod options;
 mod progress;
 mod run;
 
@@ -61,8 +62,8 @@ fn is_same_file(a: &Path, b: &Path) -> bool {
 
 /// The chain of causes; those that the message before already holds are left out.
 fn message(error: &anyhow::Error) -> String {
-    let mut out = String::new();
-    for cause in error.chain().map(ToString::to_string) {
+    let mut out = options::message(error).unwrap_or_default();
+    for cause in error.chain().skip(usize::from(!out.is_empty())).map(ToString::to_string) {
         if out.is_empty() {
             out = cause;
         } else if !out.contains(&cause) {

@@ -349,10 +349,10 @@ fn limits_end_an_asset_and_not_the_batch() {
     place.write("assets.toml", &format!("version = 1\n{SOME}{large}"));
     let (_, text) = place.batch("out", &["--max-memory", "1GiB"]);
     let error = place.asset("out", "b")["error"].to_string();
-    assert!(error.contains("more than --max-memory 1024 MiB"), "{text} {error}");
+    assert!(error.contains("more than `max_memory`, 1024 MiB"), "{text} {error}");
     // A shard's costs are known before; its other assets are made all the same.
     let (_, text) = place.batch("shard", &["--max-memory", "1GiB", "--shard", "1/1"]);
-    assert!(text.contains("more than --max-memory 1024 MiB") && text.contains("built"), "{text}");
+    assert!(text.contains("more than `max_memory`, 1024 MiB") && text.contains("built"), "{text}");
 }
 
 #[test]

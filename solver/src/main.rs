@@ -16,7 +16,7 @@ fn main() -> ExitCode {
         // The reader of a pipe may have had enough.
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {error}");
+            eprintln!("error: {}", with_options(error.to_string()));
             ExitCode::FAILURE
         }
     }
@@ -35,6 +35,12 @@ fn run(command: &Command) -> Result<()> {
             run::experiments::run_experiments(reproduce::EXPERIMENTS, "reproduction.json", arguments)
         }
     }
+}
+
+/// Libraries name settings in backquotes; these are options here.
+fn with_options(message: String) -> String {
+    let settings = ["resume", "overwrite"];
+    settings.iter().fold(message, |text, name| text.replace(&format!("`{name}`"), &format!("--{name}")))
 }
 
 fn is_broken_pipe(error: &anyhow::Error) -> bool {

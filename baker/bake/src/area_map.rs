@@ -176,7 +176,10 @@ fn grid(bounds: [DVec2; 2], settings: &AreaSettings) -> Result<(Grid, f64), Erro
     let radius = plan::support_radius(&Extent { min, max, area: 0.0 }, &in_space)?;
     let reach = 2.0 * radius + settings.thickness.abs() + settings.padding;
     if !(reach.is_finite() && settings.padding >= 0.0) {
-        return Err(Error::setting("--padding and --thickness", "aren't finite lengths, the first positive"));
+        return Err(Error::setting(
+            "padding",
+            "this and `thickness` must be finite lengths, this one from 0",
+        ));
     }
     let needed = [bounds[0] - reach, bounds[1] + reach];
     let given = |[low, high]: [[f64; 2]; 2]| {
@@ -184,10 +187,7 @@ fn grid(bounds: [DVec2; 2], settings: &AreaSettings) -> Result<(Grid, f64), Erro
     };
     let [low, high] = settings.domain.map_or(needed, given);
     if !(low.is_finite() && high.is_finite() && low.cmplt(high).all()) {
-        return Err(Error::setting(
-            "--domain",
-            format!("{low} to {high} is no box; give xmin,ymin,xmax,ymax"),
-        ));
+        return Err(Error::setting("domain", format!("{low} to {high} is no box; give xmin,ymin,xmax,ymax")));
     }
     let grid = layer(low, high, radius, settings)?;
     plan::check_precision(&grid)?;
@@ -209,8 +209,10 @@ fn layer(low: DVec2, high: DVec2, radius: f64, settings: &AreaSettings) -> Resul
     };
     let is_possible = cell.is_finite() && cell.cmpgt(DVec2::ZERO).all() && cells.cmpge(DVec2::ONE).all();
     if !is_possible || cells.x * cells.y > MAX_CELLS as f64 {
+        let parameter =
+            if matches!(settings.grid, GridChoice::Resolution(_)) { "resolution" } else { "cell_size" };
         let reason = format!("{} x {} cells: it must be 1 to 16,777,216 in all", cells.x, cells.y);
-        return Err(Error::setting("--resolution or --cell-size", reason));
+        return Err(Error::setting(parameter, reason));
     }
     let origin = low - 0.5 * (cells * cell - size);
     Ok(Grid {
@@ -237,7 +239,7 @@ fn distance_field(
     let cells = grown.resolution.as_u64vec3();
     if cells.x.saturating_mul(cells.y) > 4 * MAX_CELLS {
         return Err(Error::setting(
-            "--cell-size",
+            "cell_size",
             "the cells are too small for the support radius; take larger ones",
         ));
     }
@@ -289,9 +291,9 @@ fn cells_within(grid: &Grid, width: f64, phi: &(impl Fn(DVec2) -> f64 + Sync)) -
 fn numbered(grid: &Grid, band: &[CellRun]) -> Result<Nodes, Error> {
     if band.is_empty() {
         let reason = "no line is within 2 support radii of the domain; move or enlarge it";
-        return Err(Error::setting("--domain", reason));
+        return Err(Error::setting("domain", reason));
     }
-    let too_many = || Error::setting("--resolution", "the band has more than 2^32 nodes; take larger cells");
+    let too_many = || Error::setting("resolution", "the band has more than 2^32 nodes; take larger cells");
     Nodes::new(UVec3::new(grid.resolution.x, grid.resolution.y, 1), band).ok_or_else(too_many)
 }
 

@@ -224,7 +224,7 @@ pub(crate) fn stored(values: Vec<f64>, unit: f64, precision: Precision) -> Resul
         Precision::F64 => Ok((Array::F64(values), 0.0)),
         Precision::Rounded(part) => {
             let rounded = Rounded::new(&values, unit, part);
-            let rounded = rounded.map_err(|error| Error::setting("--max-rounding", error.to_string()))?;
+            let rounded = rounded.map_err(|error| Error::setting("max_rounding", error.to_string()))?;
             let worst = rounded.worst_error(&values);
             Ok((Array::Rounded(rounded), worst / unit))
         }

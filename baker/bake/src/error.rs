@@ -40,18 +40,18 @@ pub enum Error {
         /// What is wrong with it and the cure.
         reason: String,
     },
-    /// A setting can't be used.
-    #[error("{option}: {reason}")]
+    /// A parameter can't be used.
+    #[error("{parameter}: {reason}")]
     Setting {
-        /// The command line's name of the setting.
-        option: &'static str,
+        /// Its name: a key of manifests; the command line's option with `_` for `-`.
+        parameter: &'static str,
         /// What is wrong with it and the cure.
         reason: String,
     },
     /// The bake would need more memory than allowed.
     #[error(
-        "the bake would need about {} MiB, more than --max-memory {} MiB; take larger cells \
-         (--cell-size, --resolution, --support-radius) or allow more",
+        "the bake would need about {} MiB, more than `max_memory`, {} MiB; take larger cells \
+         (`cell_size`, `resolution`, `support_radius`) or allow more",
         needed >> 20, allowed >> 20
     )]
     Memory {
@@ -63,8 +63,8 @@ pub enum Error {
 }
 
 impl Error {
-    /// A setting that can't be used.
-    pub fn setting(option: &'static str, reason: impl Into<String>) -> Error {
-        Error::Setting { option, reason: reason.into() }
+    /// A parameter that can't be used. Names of other parameters stand in backquotes in the reason.
+    pub fn setting(parameter: &'static str, reason: impl Into<String>) -> Error {
+        Error::Setting { parameter, reason: reason.into() }
     }
 }

@@ -48,7 +48,7 @@ pub fn iso_surface(map: &VolumeMap, iso: f64, choice: Option<LatticeChoice>) -> 
     // Also false for NaN.
     if !(-limit < iso && iso < limit) {
         let reason = format!("{iso} m is not within the map's band of -{limit} to {limit} m");
-        return Err(Error::setting("--iso", reason));
+        return Err(Error::setting("iso", reason));
     }
     let lattice = Lattice::new(map.grid(), choice, STEPS, MAX_POINTS)?;
     let mut crossings = Crossings { lattice: &lattice, edges: Vec::new(), numbers: HashMap::new() };
@@ -108,8 +108,8 @@ fn march(map: &VolumeMap, iso: f64, crossings: &mut Crossings) -> Result<Vec<[u3
         }
         if crossings.edges.len() > i32::MAX as usize {
             return Err(Error::setting(
-                "--resolution or --cell-size",
-                "the surface has more than 2^31 corners",
+                "resolution",
+                "the surface has more than 2^31 corners; take fewer steps, or a larger `cell_size`",
             ));
         }
         lower = upper;

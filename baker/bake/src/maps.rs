@@ -100,10 +100,10 @@ pub fn compute_maps(
 pub(crate) fn numbered(resolution: UVec3, cells: &BandCells) -> Result<Nodes, Error> {
     if cells.band.is_empty() {
         let reason = "no surface is within 2 support radii of the domain; move or enlarge it, or, if nothing of the \
-                      solid is left, take another --thickness";
-        return Err(Error::setting("--domain", reason));
+                      solid is left, take another `thickness`";
+        return Err(Error::setting("domain", reason));
     }
-    let too_many = || Error::setting("--resolution", "the band has more than 2^32 nodes; take larger cells");
+    let too_many = || Error::setting("resolution", "the band has more than 2^32 nodes; take larger cells");
     Nodes::new(resolution, &cells.band).ok_or_else(too_many)
 }
 

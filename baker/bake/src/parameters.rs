@@ -1,6 +1,6 @@
-//! The parameters of a bake, in one table. From a row follow the command line's option, the key in manifests and scenes, its
-//! schema and its checks, the settings, the content key, and what the asset says of it. A new parameter is one row, and the
-//! code that uses its setting.
+//! The parameters of a bake, in one table. From a row follow the command line's option, the key in manifests and scenes,
+//! its schema and its checks, the settings, the content key, and what the asset says of it. A new parameter is one row,
+//! and the code that uses its setting.
 //!
 //! - here: the table, and what is done with all of its rows;
 //! - [`row`]: what a row holds; [`range`] and [`check`]: what is refused;
@@ -422,10 +422,8 @@ impl Parameters {
     pub fn over(&self, base: &Parameters) -> Parameters {
         let mut out = self.clone();
         for row in base.given() {
-            let excludes = |other: &Parameter| {
-                other.name == row.name || row.group.is_some_and(|g| other.group == Some(g))
-            };
-            if !self.given().any(excludes) {
+            let is_excluded = (row.is_given)(self) || row.group.is_some_and(|group| self.gives(group));
+            if !is_excluded {
                 (row.copy)(base, &mut out);
             }
         }
@@ -442,8 +440,8 @@ impl Parameters {
 }
 
 impl Recipe {
-    /// Every parameter by name, given or by default, as a text that differs whenever the value does: what a content key is
-    /// made of. `auto` is what the mesh decides; a particle radius stands as the support radius.
+    /// Every parameter by name, given or by default, as a text that differs whenever the value does: what a content key
+    /// is made of. `auto` is what the mesh decides; a particle radius stands as the support radius.
     pub fn effective(&self) -> BTreeMap<String, String> {
         let mut out: BTreeMap<String, String> =
             TABLE.iter().filter_map(|row| Some((row.name.to_owned(), (row.key)(self)?))).collect();

@@ -156,7 +156,7 @@ const BYTES_PER_ROW: u64 = 48;
 pub fn plan(extent: &Extent, settings: &Settings) -> Result<Plan, Error> {
     let support_radius = support_radius(extent, settings)?;
     let band_width = 2.0 * support_radius;
-    let reach = band_width + finite("--thickness", settings.thickness)?.abs();
+    let reach = band_width + finite("thickness", settings.thickness)?.abs();
     let needed = [extent.min - reach, extent.max + reach];
     let [low, high] = domain(needed, settings)?;
     let grid = grid(low, high, support_radius, settings)?;
@@ -206,17 +206,15 @@ fn cut(grid: &Grid, needed: [DVec3; 2]) -> [DVec3; 2] {
 /// Cells within reach of a node beyond the domain's faces.
 pub(crate) fn margin(grid: &Grid, support_radius: f64) -> Result<UVec3, Error> {
     let cells = (support_radius / grid.cell_size).ceil() + 1.0;
-    check_resolution(
-        "--domain, which cuts the band, with a support radius around it",
-        grid.resolution.as_dvec3() + 2.0 * cells,
-    )?;
+    let grown = grid.resolution.as_dvec3() + 2.0 * cells;
+    check_resolution("domain", "cuts the band, and with a support radius around it has ", grown)?;
     Ok(cells.as_uvec3())
 }
 
-fn finite(option: &'static str, value: f64) -> Result<f64, Error> {
+fn finite(parameter: &'static str, value: f64) -> Result<f64, Error> {
     match value.is_finite() {
         true => Ok(value),
-        false => Err(Error::setting(option, format!("{value} is not a finite length"))),
+        false => Err(Error::setting(parameter, format!("{value} is not a finite length"))),
     }
 }
 
@@ -226,16 +224,16 @@ pub(crate) fn support_radius(extent: &Extent, settings: &Settings) -> Result<f64
     let radius = settings.support_radius.unwrap_or_else(|| rounded(diagonal / 20.0));
     if !(radius > 0.0 && radius.is_finite()) {
         return Err(Error::setting(
-            "--support-radius (four times --particle-radius)",
-            format!("{radius} is not a positive length"),
+            "support_radius",
+            format!("{radius} is not a positive length (four times `particle_radius`)"),
         ));
     }
     let [least, most] = SUPPORT_RADII;
     if !(least..=most).contains(&radius) {
         let reason = format!(
-            "{radius:.3e} m is outside {least:e} to {most:e} m; check the mesh's size ({diagonal:.3e} m), --unit and --scale"
+            "{radius:.3e} m is outside {least:e} to {most:e} m; check the mesh's size ({diagonal:.3e} m), `unit` and `scale`"
         );
-        return Err(Error::setting("--support-radius", reason));
+        return Err(Error::setting("support_radius", reason));
     }
     Ok(radius)
 }
@@ -248,35 +246,35 @@ fn rounded(length: f64) -> f64 {
 }
 
 fn domain(needed: [DVec3; 2], settings: &Settings) -> Result<[DVec3; 2], Error> {
-    let padding = finite("--padding", settings.padding)?;
+    let padding = finite("padding", settings.padding)?;
     if padding < 0.0 {
-        return Err(Error::setting("--padding", "is negative; use --domain for a smaller domain"));
+        return Err(Error::setting("padding", "is negative; use `domain` for a smaller domain"));
     }
     let [low, high] = settings.domain.map_or(needed, |corners| corners.map(DVec3::from));
     if !(low.is_finite() && high.is_finite() && low.cmplt(high).all()) {
         let reason = format!("{low} to {high} is not a box; give xmin,ymin,zmin,xmax,ymax,zmax");
-        return Err(Error::setting("--domain", reason));
+        return Err(Error::setting("domain", reason));
     }
     Ok([low - padding, high + padding])
 }
 
 fn grid(low: DVec3, high: DVec3, support_radius: f64, settings: &Settings) -> Result<Grid, Error> {
     let extent = high - low;
-    let (option, edge) = match settings.grid {
-        GridChoice::FromRadius | GridChoice::Tolerance(_) => ("--support-radius", 0.5 * support_radius),
-        GridChoice::CellSize(edge) => ("--cell-size", edge),
+    let (parameter, edge) = match settings.grid {
+        GridChoice::FromRadius | GridChoice::Tolerance(_) => ("support_radius", 0.5 * support_radius),
+        GridChoice::CellSize(edge) => ("cell_size", edge),
         GridChoice::Resolution(cells) => {
             let resolution = UVec3::from(cells);
-            check_resolution("--resolution", resolution.as_dvec3())?;
+            check_resolution("resolution", "", resolution.as_dvec3())?;
             return Ok(Grid { origin: low, cell_size: extent / resolution.as_dvec3(), resolution });
         }
     };
     if !(edge > 0.0 && edge.is_finite()) {
-        return Err(Error::setting(option, format!("cells of {edge} m are not possible")));
+        return Err(Error::setting(parameter, format!("cells of {edge} m are not possible")));
     }
     // A domain that is whole cells but for rounding stays as it is.
     let resolution = (extent / edge - 1e-9).ceil().max(DVec3::ONE);
-    check_resolution(option, resolution)?;
+    check_resolution(parameter, "", resolution)?;
     let origin = low - 0.5 * (resolution * edge - extent);
     Ok(Grid { origin, cell_size: DVec3::splat(edge), resolution: resolution.as_uvec3() })
 }
@@ -289,9 +287,9 @@ pub(crate) fn check_precision(grid: &Grid) -> Result<(), Error> {
     }
     let reason = format!(
         "cells of {edge:.3e} m up to {farthest:.3e} m from the origin are beyond what the map can hold; move the mesh \
-         to the origin (--translate) or check --domain, --padding and --thickness"
+         to the origin (`translate`) or check `domain`, `padding` and `thickness`"
     );
-    Err(Error::setting("--domain", reason))
+    Err(Error::setting("domain", reason))
 }
 
 fn check_reach(grid: &Grid, support_radius: f64) -> Result<(), Error> {
@@ -301,9 +299,9 @@ fn check_reach(grid: &Grid, support_radius: f64) -> Result<(), Error> {
     }
     let reason = format!(
         "the cells are {cells:.0} times smaller than the support radius, more than {MAX_REACH:.0} times; take larger \
-         cells (some 2 to 4 to the radius suffice), or a smaller --support-radius"
+         cells (2 to 4 along the radius suffice) by this or `resolution`, or a smaller `support_radius`"
     );
-    Err(Error::setting("--cell-size or --resolution", reason))
+    Err(Error::setting("cell_size", reason))
 }
 
 /// Told before the work: the values at the far corners of the band's cells need too many steps.
@@ -314,11 +312,11 @@ fn check_rounding(grid: &Grid, support_radius: f64, settings: &Settings) -> Resu
     let largest = density.unwrap_or(0.0).max(farthest / support_radius);
     match Rounded::new(&[largest], 1.0, fraction) {
         Ok(_) => Ok(()),
-        Err(error) => Err(Error::setting("--max-rounding", error.to_string())),
+        Err(error) => Err(Error::setting("max_rounding", error.to_string())),
     }
 }
 
-fn check_resolution(option: &'static str, cells: DVec3) -> Result<(), Error> {
+fn check_resolution(parameter: &'static str, before: &str, cells: DVec3) -> Result<(), Error> {
     let reason = if cells.min_element() < 1.0 {
         "an axis has no cell"
     } else if cells.max_element() > f64::from(MAX_CELLS_PER_AXIS) {
@@ -328,7 +326,7 @@ fn check_resolution(option: &'static str, cells: DVec3) -> Result<(), Error> {
     } else {
         return Ok(());
     };
-    Err(Error::setting(option, format!("{} x {} x {} cells: {reason}", cells.x, cells.y, cells.z)))
+    Err(Error::setting(parameter, format!("{before}{} x {} x {} cells: {reason}", cells.x, cells.y, cells.z)))
 }
 
 fn estimate(extent: &Extent, grid: &Grid, margin: UVec3, width: f64, settings: &Settings) -> Estimate {

@@ -59,7 +59,7 @@ pub fn other_mesh(asset: &Asset, source: &Source) -> Option<String> {
 
 fn strange(name: &'static str) -> Error {
     Error::setting(
-        "--mesh",
+        "mesh",
         format!("the asset's parameter {name} is none of a bake; the mesh can't be placed"),
     )
 }

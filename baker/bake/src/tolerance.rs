@@ -86,8 +86,8 @@ pub fn search<D: SignedDistance>(
         && part >= tolerance
     {
         let reason =
-            format!("rounding by {} of the ball leaves nothing of --tolerance; round less", percent(part));
-        return Err(Error::setting("--max-rounding", reason));
+            format!("rounding by {} of the ball leaves nothing of `tolerance`; round less", percent(part));
+        return Err(Error::setting("max_rounding", reason));
     }
     let radius = support_radius(problem.extent, settings)?;
     let with_cells = |edge: f64| {
@@ -137,11 +137,11 @@ pub fn search<D: SignedDistance>(
 fn stalled(tolerance: f64, (cell, max): (f64, f64)) -> Error {
     let reason = format!(
         "smaller cells don't bring the error to {}: it stays at {} at cells of {cell:.4} m. Where a mesh is open the sign \
-         jumps, which no cell follows: close it; or take a finer --quadrature or a larger tolerance",
+         jumps, which no cell follows: close it; or take a finer `quadrature` or a larger tolerance",
         percent(tolerance),
         percent(max)
     );
-    Error::setting("--tolerance", reason)
+    Error::setting("tolerance", reason)
 }
 
 /// What keeps smaller cells from being tried, in words of the tolerance.
@@ -149,7 +149,7 @@ fn out_of_reach(error: Error, tolerance: f64, tried: &[(f64, f64)]) -> Error {
     let Some((cell, max)) = tried.last() else { return error };
     let limit = match error {
         Error::Memory { needed, allowed } => format!(
-            "the next would need {} MiB, more than --max-memory {} MiB; allow more",
+            "the next would need {} MiB, more than `max_memory` {} MiB; allow more",
             needed >> 20,
             allowed >> 20
         ),
@@ -161,7 +161,7 @@ fn out_of_reach(error: Error, tolerance: f64, tried: &[(f64, f64)]) -> Error {
         percent(tolerance),
         percent(*max)
     );
-    Error::setting("--tolerance", reason)
+    Error::setting("tolerance", reason)
 }
 
 /// Points and the volume there, on the exact distance.
@@ -182,8 +182,8 @@ impl Reference {
         let points = fluid_points(problem, settings, plan);
         if points.is_empty() {
             let reason =
-                "no fluid was found near the surface to measure the error in; check --invert and --domain";
-            return Err(Error::setting("--tolerance", reason));
+                "no fluid was found near the surface to measure the error in; check `invert` and `domain`";
+            return Err(Error::setting("tolerance", reason));
         }
         let rule = Rule::Chord(if tolerance >= COARSE_FROM { 12 } else { 20 });
         let radius = plan.support_radius;
@@ -207,10 +207,10 @@ impl Reference {
         let reason = format!(
             "the quadrature {rule} itself is wrong by up to {} of the ball; take a finer one (chord12, chord16, chord20), \
              or a larger tolerance. Where a mesh is open the sign jumps, which no rule follows: close it, or give the \
-             cells by --cell-size",
+             cells by `cell_size`",
             percent(error.max)
         );
-        Err(Error::setting("--tolerance", reason))
+        Err(Error::setting("tolerance", reason))
     }
 
     /// Of the map as it will be stored.
@@ -219,10 +219,7 @@ impl Reference {
         let volume = match settings.precision {
             Precision::Rounded(part) => {
                 let rounded = Rounded::new(&maps.volume, ball, part);
-                rounded
-                    .map_err(|error| Error::setting("--max-rounding", error.to_string()))?
-                    .values()
-                    .collect()
+                rounded.map_err(|error| Error::setting("max_rounding", error.to_string()))?.values().collect()
             }
             Precision::F32 | Precision::F64 => maps.volume.clone(),
         };

@@ -219,13 +219,13 @@ fn settings_that_make_no_map_are_named() {
     let error = |settings: AreaSettings| bake(line, &|x: DVec2| x.y, &settings).unwrap_err().to_string();
     let base = || settings(RADIUS);
     let cases = [
-        (AreaSettings { support_radius: Some(f64::NAN), ..base() }, "--support-radius"),
-        (AreaSettings { grid: GridChoice::CellSize(-1.0), ..base() }, "--cell-size"),
-        (AreaSettings { grid: GridChoice::CellSize(1e-5), ..base() }, "--cell-size"),
-        (AreaSettings { grid: GridChoice::Resolution([0, 5, 5]), ..base() }, "--resolution"),
-        (AreaSettings { padding: -1.0, ..base() }, "--padding"),
-        (AreaSettings { domain: Some([[0.0, 1.0], [1.0, 0.0]]), ..base() }, "--domain"),
-        (AreaSettings { domain: Some([[0.0, 5.0], [1.0, 6.0]]), ..base() }, "--domain"),
+        (AreaSettings { support_radius: Some(f64::NAN), ..base() }, "support_radius"),
+        (AreaSettings { grid: GridChoice::CellSize(-1.0), ..base() }, "cell_size"),
+        (AreaSettings { grid: GridChoice::CellSize(1e-5), ..base() }, "cell_size"),
+        (AreaSettings { grid: GridChoice::Resolution([0, 5, 5]), ..base() }, "resolution"),
+        (AreaSettings { padding: -1.0, ..base() }, "padding"),
+        (AreaSettings { domain: Some([[0.0, 1.0], [1.0, 0.0]]), ..base() }, "domain"),
+        (AreaSettings { domain: Some([[0.0, 5.0], [1.0, 6.0]]), ..base() }, "domain"),
     ];
     for (settings, part) in cases {
         let error = error(settings);

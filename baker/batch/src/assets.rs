@@ -218,7 +218,7 @@ fn check_names(assets: &[PlannedAsset]) -> Result<(), Error> {
             let case = if other.name == asset.name { "" } else { ", but for large and small letters" };
             let reason = format!(
                 "its asset would have the name of that of {}, {}.h5{case}; tell them apart with `name`, as \
-                 name = \"{{path}}_{{extension}}\" (--name for meshes on the command line)",
+                 name = \"{{path}}_{{extension}}\" (or a template of names, without a manifest)",
                 other.mesh_name, asset.name
             );
             return Err(refuse(&asset.mesh_name, reason));

@@ -61,7 +61,7 @@ pub fn own_part(
     let mut estimator = Estimator { assets: &all, timeout: None, found: Vec::new(), all_or_none: true };
     WorkerPool::new(&settings.worker, jobs, u64::MAX, stop).run(&mut queue, &mut estimator)?;
     if estimator.found.len() < assets.len() {
-        return Err(Error::setting("--shard", "the batch was stopped before its parts were found"));
+        return Err(Error::setting("shard", "the batch was stopped before its parts were found"));
     }
     let mut found = estimator.found;
     found.sort_by_key(|(index, _)| *index);

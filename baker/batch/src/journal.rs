@@ -50,7 +50,7 @@ impl Journal {
         if let Err(TryLockError::WouldBlock) = file.try_lock() {
             return Err(Error::unusable(
                 out,
-                "another batch is at work in this folder; wait for it, or take another --out",
+                "another batch is at work in this folder; wait for it, or take another folder",
             ));
         }
         let mut past = of_summaries(out);

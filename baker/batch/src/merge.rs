@@ -40,7 +40,7 @@ pub fn merge(mut parts: Vec<Summary>) -> Result<Summary, Error> {
 }
 
 fn refused(reason: impl Into<String>) -> Error {
-    Error::setting("--merge", reason)
+    Error::setting("merge", reason)
 }
 
 /// Which parts they are.
@@ -74,7 +74,7 @@ fn require_all(shards: &[Shard]) -> Result<(), Error> {
     }
     if indices.len() < count as usize {
         let missing: Vec<u32> = (1..=count).filter(|index| indices.binary_search(index).is_err()).collect();
-        return Err(refused(format!("{} missing, of {count}; run them with --shard", named(&missing))));
+        return Err(refused(format!("{} missing, of {count}; run these shards first", named(&missing))));
     }
     Ok(())
 }

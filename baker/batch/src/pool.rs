@@ -179,7 +179,7 @@ impl<'a> WorkerPool<'a> {
             }
             let (has, most) = (uses >> 20, self.max_memory >> 20);
             job.killed = Some(format!(
-                "took {has} MiB when the batch had reached its --max-memory of {most} MiB; fewer --jobs, \
+                "took {has} MiB when the batch had reached its limit of {most} MiB; fewer jobs at once, \
                  larger cells, or allow more"
             ));
             worker.kill();

@@ -113,7 +113,7 @@ fn describe(status: ExitStatus) -> String {
     #[cfg(unix)]
     if let Some(signal) = std::os::unix::process::ExitStatusExt::signal(&status) {
         let cause = match signal {
-            9 => " (by the system, probably for want of memory: fewer --jobs, or larger cells)",
+            9 => " (by the system, probably for want of memory: fewer jobs at once, or larger cells)",
             _ => "",
         };
         return format!("its worker was killed by signal {signal}{cause}");

@@ -56,7 +56,7 @@ pub fn tidy(
             continue;
         }
         if leftovers == Leftovers::Tell {
-            tidied.notes.push(format!("{name}: no longer in the manifest; --prune removes it"));
+            tidied.notes.push(format!("{name}: no longer in the manifest; pruning removes it"));
         }
         tidied.left.push(name);
     }

@@ -53,7 +53,7 @@ pub fn find_parts(folder: &Path) -> Result<Vec<PathBuf>, Error> {
         }
     }
     if found.is_empty() {
-        let reason = "has no summary.I-of-N.json; run the batch with --shard I/N and this --out first";
+        let reason = "has no summary.I-of-N.json; run the batch in shards into this folder first";
         return Err(Error::unusable(folder, reason));
     }
     found.sort();
@@ -115,7 +115,7 @@ mod tests {
     fn parts_are_found_in_order() {
         let folder = folder();
         let none = find_parts(folder.path()).unwrap_err().to_string();
-        assert!(none.contains("--shard"), "{none}");
+        assert!(none.contains("shards"), "{none}");
         let others = ["summary.json", "summary.1-of-.json", "summary.01-of-12.json", "summary.+1-of-12.json"];
         let parts = ["summary.2-of-12.json", "summary.10-of-12.json", "summary.1-of-12.json"];
         for name in others.into_iter().chain(parts) {

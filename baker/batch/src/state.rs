@@ -105,7 +105,7 @@ fn action(asset: &PlannedAsset, identity: &Identity, files: &OutputFiles, known:
         Ok(found) => return keep(asset, found, &files.good, known.thorough),
         Err(Fault::Foreign) => {
             return Action::Fail(format!(
-                "{} wasn't made by a batch; move it away, or let --rebuild replace it",
+                "{} wasn't made by a batch; move it away, or rebuild everything",
                 files.good.asset.display()
             ));
         }

@@ -29,7 +29,7 @@ pub fn manifest_of(folder: &Path) -> Result<PathBuf, Error> {
     let summary = read(&path)?;
     let manifest = summary
         .manifest
-        .ok_or_else(|| Error::unusable(&path, "names no manifest, as the batch had none; give --manifest"))?;
+        .ok_or_else(|| Error::unusable(&path, "names no manifest, as the batch had none; name it"))?;
     Ok(folder.join(manifest))
 }
 

@@ -68,7 +68,7 @@ fn names_of(entry: &str, folder: &TempDir) -> Vec<String> {
 }
 
 fn data() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../data")
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data")
 }
 
 #[test]
@@ -246,7 +246,7 @@ fn json_and_toml_are_the_same_and_come_back() {
     let manifest = toml(MANIFEST).unwrap();
     let text = serde_json::to_string_pretty(&manifest).unwrap();
     assert_eq!(json(&text).unwrap(), manifest);
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("batch.schema.json");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../batch.schema.json");
     let published: serde_json::Value = serde_json::from_str(&fs::read_to_string(path).unwrap()).unwrap();
     assert!(published == Manifest::schema(), "baker/batch.schema.json is old");
     let parameters = published["$defs"]["Parameters"]["properties"].as_object().unwrap();

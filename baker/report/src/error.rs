@@ -18,8 +18,8 @@ pub enum Error {
 }
 
 impl Error {
-    pub(crate) fn setting(option: &'static str, reason: impl Into<String>) -> Error {
-        volmap_bake::Error::setting(option, reason).into()
+    pub(crate) fn setting(parameter: &'static str, reason: impl Into<String>) -> Error {
+        volmap_bake::Error::setting(parameter, reason).into()
     }
 
     pub(crate) fn io(path: impl AsRef<Path>, source: std::io::Error) -> Error {

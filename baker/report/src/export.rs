@@ -80,22 +80,23 @@ pub fn export(asset: &Asset, path: &Path, settings: &ExportSettings) -> Result<S
 }
 
 fn check_settings(extension: &str, settings: &ExportSettings) -> Result<(), Error> {
-    let useless = |option| Err(Error::setting(option, format!("has no meaning in a .{extension} file")));
+    let useless =
+        |parameter| Err(Error::setting(parameter, format!("has no meaning in a .{extension} file")));
     let (field, lattice, iso) = match extension {
         "vti" => (true, true, false),
         "ply" => (false, true, true),
         "vtkhdf" | "cdm" | "cdf" => (false, false, false),
         _ => {
-            return Err(Error::setting(
-                "--output",
-                "name a file ending in .vtkhdf, .vti, .ply, .cdm or .cdf",
-            ));
+            return Err(Error::setting("output", "name a file ending in .vtkhdf, .vti, .ply, .cdm or .cdf"));
         }
     };
     match settings {
-        ExportSettings { field: Some(_), .. } if !field => useless("--field"),
-        ExportSettings { lattice: Some(_), .. } if !lattice => useless("--resolution and --cell-size"),
-        ExportSettings { iso: Some(_), .. } if !iso => useless("--iso"),
+        ExportSettings { field: Some(_), .. } if !field => useless("field"),
+        ExportSettings { lattice: Some(choice), .. } if !lattice => useless(match choice {
+            LatticeChoice::Resolution(_) => "resolution",
+            LatticeChoice::CellSize(_) => "cell_size",
+        }),
+        ExportSettings { iso: Some(_), .. } if !iso => useless("iso"),
         _ => Ok(()),
     }
 }

@@ -44,7 +44,7 @@ pub struct Import {
 pub fn import(path: &Path, settings: &ImportSettings) -> Result<Import, Error> {
     let r = settings.support_radius;
     if !(r > 0.0 && r.is_finite() && (r * r * r).is_normal()) {
-        return Err(Error::setting("--support-radius", format!("{r} is not a positive length")));
+        return Err(Error::setting("support_radius", format!("{r} is not a positive length")));
     }
     let bytes = std::fs::read(path).map_err(|source| Error::io(path, source))?;
     let refuse = |reason: String| Error::unusable(path, reason);
@@ -83,7 +83,7 @@ pub fn from_grid(grid: &DiscreteGrid, settings: &ImportSettings) -> Result<Impor
     fill_removed(grid, &mut kinds)?;
     if !kinds.contains(&Kind::Band) {
         return Err(format!(
-            "no cell with both fields is within 2 support radii of {} m of the surface: check --support-radius",
+            "no cell with both fields is within 2 support radii of {} m of the surface: check `support_radius`",
             settings.support_radius
         ));
     }
@@ -208,7 +208,7 @@ fn exterior(grid: &DiscreteGrid, kinds: &[Kind], settings: &ImportSettings) -> R
         (true, false) => Ok(Exterior::Solid),
         (false, true) => Ok(Exterior::Fluid),
         _ => {
-            Err("the border of its domain is solid here and fluid there: say with --exterior what is outside"
+            Err("the border of its domain is solid here and fluid there: say with `exterior` what is outside"
                 .into())
         }
     }
@@ -228,7 +228,7 @@ fn ball_volume(distances: &[f64], volumes: &[f64], r: f64) -> (f64, Vec<String>)
     let mut warnings = Vec::new();
     if !(0.95..1.05).contains(&(ball / exact)) {
         warnings.push(format!(
-            "deep in the solid the volume is {:.3} of the full ball: another --support-radius, or a map of \
+            "deep in the solid the volume is {:.3} of the full ball: another `support_radius`, or a map of \
              SPlisHSPlasH before 2.19, which multiplies all volumes by 0.8",
             ball / exact
         ));

@@ -69,11 +69,11 @@ pub struct NamedMesh<'a> {
 pub fn slice(map: &VolumeMap, settings: &SliceSettings, mesh: Option<NamedMesh>) -> Result<Slice, Error> {
     let lattice = lattice(map, settings)?;
     if settings.field == Field::Density && map.density_kernel().is_none() {
-        return Err(Error::setting("--field density", "the asset has none; bake it with --density"));
+        return Err(Error::setting("field", "density: the asset has none; bake it with `density`"));
     }
     let tree = match (settings.field, mesh) {
         (Field::NormalAngle, None) => {
-            return Err(Error::setting("--field normal-angle", "needs --mesh, to compare with"));
+            return Err(Error::setting("field", "normal-angle: needs `mesh`, to compare with"));
         }
         (Field::NormalAngle, Some(NamedMesh { mesh, .. })) => {
             let corner = |vertex: u32| DVec3::from(mesh.vertices[vertex as usize]);
@@ -119,7 +119,7 @@ fn lattice(map: &VolumeMap, settings: &SliceSettings) -> Result<PixelLattice, Er
     if !(from..=to).contains(&at) {
         let name = axis.name();
         let reason = format!("{name} = {at} is outside the domain, where {name} goes from {from} to {to} m");
-        return Err(Error::setting("--plane", reason));
+        return Err(Error::setting("plane", reason));
     }
     Ok(PixelLattice::over(settings.plane, low, high, settings.pixels))
 }

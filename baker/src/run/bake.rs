@@ -2,6 +2,7 @@
 
 use crate::args::BakeArguments;
 use crate::is_same_file;
+use crate::options::with_options;
 use crate::progress::Progress;
 use anyhow::{Result, bail};
 use std::io::{self, Write};
@@ -45,7 +46,7 @@ pub fn run_bake(arguments: &BakeArguments) -> Result<()> {
     if arguments.json {
         writeln!(out, "{:#}", info::to_json(&baked.asset, file_bytes))?;
     } else if !arguments.quiet {
-        writeln!(out, "{}", baked.summary)?;
+        writeln!(out, "{}", with_options(&baked.summary.to_string()))?;
         writeln!(out, "asset      {} ({})", output.display(), bytes(file_bytes))?;
         writeln!(
             out,

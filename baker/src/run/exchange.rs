@@ -2,6 +2,7 @@
 
 use crate::args::exchange::{ExportArguments, ImportArguments};
 use crate::is_same_file;
+use crate::options::with_options;
 use anyhow::{Result, bail};
 use std::io::{self, Write};
 use volmap_formats::asset::{self, Compression};
@@ -29,7 +30,7 @@ pub fn run_import(arguments: &ImportArguments) -> Result<()> {
     asset::check_target(output)?;
     let import = import::import(&arguments.map, &arguments.settings())?;
     asset::write(output, &import.asset, Compression::default())?;
-    import.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
+    import.warnings.iter().for_each(|warning| eprintln!("warning: {}", with_options(warning)));
     let nodes = import.asset.volume.len() as u64;
     let file_bytes = std::fs::metadata(output)?.len();
     Ok(writeln!(io::stdout(), "{}: {} nodes ({})", output.display(), thousands(nodes), bytes(file_bytes))?)

@@ -78,7 +78,7 @@ pub fn load(simulation: &mut Simulation, path: &Path, identity: &Identity) -> Re
     if let Some(changed) = identity.changed(file.get("files")?) {
         let changed = changed.path.display();
         return Err(file.refuse(format!(
-            "{changed} has changed since the check-point: put the old file back, or begin with --overwrite"
+            "{changed} has changed since the check-point: put the old file back, or begin anew with `overwrite`"
         )));
     }
     let [step, next_id, frames] = fixed(&file, "step", file.get_u64("step")?)?;

@@ -20,9 +20,9 @@ mod read;
 pub mod sources;
 pub mod summary;
 
-pub use body::{Bake, Body, FreeMotion, Keyframe, Material, Motion, Spin};
+pub use body::{Body, FreeMotion, Keyframe, Material, Motion, Spin};
 pub use fluid::{Block, EmitterSettings, Fill, Nozzle};
-pub use numbers::{PerAxis, Region, Rotation};
+pub use numbers::{Region, Rotation};
 pub use output::{OutputSettings, Picture, StopSettings};
 pub use prepare::{Prepared, PreparedBody, SourceFile, prepare};
 pub use read::{load, parse};

@@ -212,10 +212,10 @@ fn refuse_to_replace(folder: &Path, settings: &RunSettings) -> Result<(), Error>
     let refuse =
         |reason: &str| Err(Error::Scene { place: folder.display().to_string(), reason: reason.into() });
     if settings.resume && !folder.join(CHECKPOINT).exists() {
-        return refuse("has no check-point to resume from: begin with --overwrite instead of --resume");
+        return refuse("has no check-point to resume from: begin with `overwrite` instead of `resume`");
     }
     if !settings.resume && !settings.overwrite && file.exists() {
-        return refuse("has a run already: --resume goes on with it, --overwrite replaces it");
+        return refuse("has a run already: `resume` goes on with it, `overwrite` replaces it");
     }
     Ok(())
 }

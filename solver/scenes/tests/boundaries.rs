@@ -2,6 +2,7 @@
 //! threads, and scenes that can't be.
 
 use std::path::{Path, PathBuf};
+use volmap_bake::parameters::{Parameters, Scale};
 use volmap_fluid::boundary::{Boundary, tube_map};
 use volmap_fluid::settings::BoundaryMethod::{self, DensityMap, Particles, TubeMap, VolumeMap};
 use volmap_fluid::settings::BoundaryPressure::{self, Mirror, Mls, Own, Sph};
@@ -9,7 +10,7 @@ use volmap_fluid::shapes::ball;
 use volmap_fluid::simulation::Simulation;
 use volmap_runtime::{ClosureKind, DVec3, KernelKind};
 use volmap_scenes::assemble::assemble;
-use volmap_scenes::scene::{Bake, Block, Body, FreeMotion, Motion, PerAxis, Scene, Syntax, parse, prepare};
+use volmap_scenes::scene::{Block, Body, FreeMotion, Motion, Scene, Syntax, parse, prepare};
 
 const RADIUS: f64 = 0.05;
 const METHODS: [BoundaryMethod; 4] = [VolumeMap, DensityMap, Particles, TubeMap];
@@ -17,10 +18,15 @@ const PRESSURES: [BoundaryPressure; 4] = [Own, Mirror, Sph, Mls];
 
 /// data/tank.obj is 3.1 m wide and high, on y = 0.
 fn cube(edge: f64, invert: bool) -> Body {
-    let scale = Some(PerAxis([edge / 3.1; 3]));
+    let scale = Some(Scale([edge / 3.1; 3]));
     Body {
         mesh: Some(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/tank.obj")),
-        bake: Bake { invert, scale, cell_size: Some(2.0 * RADIUS), ..Bake::default() },
+        bake: Parameters {
+            invert: Some(invert),
+            scale,
+            cell_size: Some(2.0 * RADIUS),
+            ..Parameters::default()
+        },
         ..Body::default()
     }
 }
@@ -172,7 +178,7 @@ fn water_rests_on_tubes_in_a_bowl() {
     let vertices = mesh.vertices.iter().map(|[x, y, z]| format!("v {x} {y} {z}\n"));
     let faces = mesh.triangles.iter().map(|t| t.map(|v| v + 1)).map(|[a, b, c]| format!("f {a} {b} {c}\n"));
     std::fs::write(&path, vertices.chain(faces).collect::<String>()).unwrap();
-    let bake = Bake { invert: true, cell_size: Some(2.0 * RADIUS), ..Bake::default() };
+    let bake = Parameters { invert: Some(true), cell_size: Some(2.0 * RADIUS), ..Parameters::default() };
     let body = Body { mesh: Some(path), bake, ..Body::default() };
     let block = Block { min: [-0.3, -0.4, -0.3], max: [0.3, 0.0, 0.3], velocity: [0.0; 3] };
     for pressure in [Own, Mls] {

@@ -2,7 +2,8 @@
 
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};
-use volmap_scenes::scene::{Motion, PerAxis, Scene, Syntax, load, parse};
+use volmap_bake::parameters::{Parameters, Scale, TABLE};
+use volmap_scenes::scene::{Motion, Scene, Syntax, load, parse};
 
 const SCENE: &str = r#"
 version = 1
@@ -54,8 +55,8 @@ fn sample_scenes() -> Vec<PathBuf> {
 fn what_is_given_is_read_and_the_rest_is_default() {
     let scene = toml(SCENE).unwrap();
     assert_eq!((scene.support_radius(), scene.spacing()), (0.1, 0.05));
-    assert_eq!(scene.bodies[0].bake.scale, Some(PerAxis([2.0; 3])));
-    assert!(scene.bodies[0].bake.invert);
+    assert_eq!(scene.bodies[0].bake.scale, Some(Scale([2.0; 3])));
+    assert_eq!(scene.bodies[0].bake.invert, Some(true));
     assert!(matches!(&scene.bodies[1].motion, Motion::Free(free) if free.density == Some(500.0)));
     assert_eq!(scene.bodies[1].material.friction, 0.25);
     assert_eq!(scene.solver.time_step.max, 2e-3);
@@ -81,6 +82,20 @@ fn toml_and_json_are_the_same() {
     for path in sample_scenes() {
         let scene = load(&path).unwrap();
         assert_eq!(json(&serde_json::to_string(&scene).unwrap()).unwrap(), scene, "{}", path.display());
+    }
+}
+
+/// The table of parameters is that of `volmap bake`; each row is a key here too.
+#[test]
+fn every_parameter_of_a_bake_is_a_key() {
+    for row in TABLE {
+        let mut expected = Parameters::default();
+        (row.set)(&mut expected, row.example).unwrap();
+        let is_bare = row.is_flag || row.example.parse::<f64>().is_ok();
+        let value = if is_bare { row.example.to_owned() } else { format!("\"{}\"", row.example) };
+        let bake = format!("{} = {value}", row.name);
+        let scene = toml(&SCENE.replace("invert = true, scale = 2", &bake)).unwrap();
+        assert_eq!(scene.bodies[0].bake, expected, "{bake}");
     }
 }
 
@@ -127,7 +142,7 @@ fn wrong_types_are_placed() {
     let cases = [
         ("0.025", "\"small\"", "s.toml:3:19: invalid type: string \"small\", expected f64"),
         ("[0, -9.81, 0]", "[0, -9.81]", "s.toml:4:11: invalid length 2"),
-        ("scale = 2", "scale = [1, 2]", "three in brackets"),
+        ("scale = 2", "scale = [1, 2]", "s.toml:12:25: invalid value `1,2`: give S, or SX,SY,SZ"),
         ("invert = true", "invert = 1", "s.toml:12:19: invalid type: integer `1`, expected a boolean"),
         ("version = 1\n", "", "the key `version` is missing"),
         ("[bodies.motion.free]\ndensity = 500.0", "motion = \"free\"", "needs a table with its settings"),
@@ -167,7 +182,7 @@ fn values_out_of_range_are_named_and_placed() {
         (
             "invert = true",
             "resolution = 9, cell_size = 1",
-            "bodies[0].bake.cell_size: give this or `resolution`",
+            "bodies[0].bake.cell_size: can't be used with `resolution`",
         ),
         ("map = \"duck.h5\"", "map = \"a\"\nrotation = { degrees = 9 }", "give `axis` and `degrees`"),
         ("map = \"duck.h5\"", "map = \"a\"\nname = \"../x\"", "bodies[1].name: use letters"),
@@ -271,7 +286,7 @@ proptest! {
         scene.support_radius = (count % 2 == 0).then_some(n(1));
         scene.blocks[0].min = [n(2), n(3), n(4)];
         scene.blocks[0].max = [n(5), n(6), n(7)];
-        scene.bodies[0].bake.scale = Some(PerAxis([n(8), n(0), n(1)]));
+        scene.bodies[0].bake.scale = Some(Scale([n(8), n(0), n(1)]));
         scene.stop.steps = Some(count);
         if scene.validate().is_ok() {
             prop_assert!(scene.particle_radius > 0.0 && scene.blocks[0].min[0] < scene.blocks[0].max[0]);

@@ -1,12 +1,13 @@
 //! The step as a whole: conservation, what comes back from inside a body, and numbers that are none.
 
 use std::path::Path;
+use volmap_bake::parameters::{Parameters, Scale};
 use volmap_fluid::Error;
 use volmap_fluid::particles::Particles;
 use volmap_fluid::simulation::{Setup, Simulation};
 use volmap_runtime::DVec3;
 use volmap_scenes::assemble::assemble;
-use volmap_scenes::scene::{Bake, Block, Body, FreeMotion, Motion, Scene, prepare};
+use volmap_scenes::scene::{Block, Body, FreeMotion, Motion, Scene, prepare};
 
 const SPACING: f64 = 0.1;
 
@@ -14,7 +15,7 @@ const SPACING: f64 = 0.1;
 fn solid(scale: f64, translation: [f64; 3], motion: Motion) -> Body {
     Body {
         mesh: Some(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/tank.obj")),
-        bake: Bake { scale: Some(volmap_scenes::scene::PerAxis([scale; 3])), ..Bake::default() },
+        bake: Parameters { scale: Some(Scale([scale; 3])), ..Parameters::default() },
         translation,
         motion,
         ..Body::default()

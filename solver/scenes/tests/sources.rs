@@ -3,11 +3,12 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use tempfile::TempDir;
-use volmap_runtime::{ClosureKind, DVec3};
+use volmap_bake::parameters::{DensityKernel, Numbers, Parameters, PrecisionName, Scale};
+use volmap_fluid::settings::BoundaryMethod;
+use volmap_runtime::{ClosureKind, DVec3, KernelKind};
 use volmap_scenes::scene::map::Origin;
 use volmap_scenes::scene::{
-    Bake, Block, Body, Fill, Keyframe, Motion, PerAxis, Prepared, Region, Rotation, Scene, Spin, load,
-    prepare,
+    Block, Body, Fill, Keyframe, Motion, Prepared, Region, Rotation, Scene, Spin, load, prepare,
 };
 
 fn data(name: &str) -> PathBuf {
@@ -15,11 +16,12 @@ fn data(name: &str) -> PathBuf {
 }
 
 /// A tank of one metre, its floor's middle at the origin; its cells are coarse, so that it bakes fast.
-fn tank(invert: bool) -> Bake {
-    Bake { invert, scale: Some(PerAxis([1.0 / 3.1; 3])), cell_size: Some(0.05), ..Bake::default() }
+fn tank(invert: bool) -> Parameters {
+    let invert = Some(invert);
+    Parameters { invert, scale: Some(Scale([1.0 / 3.1; 3])), cell_size: Some(0.05), ..Parameters::default() }
 }
 
-fn body(bake: Bake) -> Body {
+fn body(bake: Parameters) -> Body {
     Body { mesh: Some(data("tank.obj")), bake, ..Body::default() }
 }
 
@@ -47,7 +49,8 @@ fn nearest_pair(points: &[DVec3]) -> f64 {
 fn bodies_that_turn_have_finer_cells() {
     let cache = tempfile::tempdir().unwrap();
     let cell = |motion: Motion, cell_size: Option<f64>| {
-        let body = Body { motion, ..body(Bake { invert: true, cell_size, ..Bake::default() }) };
+        let body =
+            Body { motion, ..body(Parameters { invert: Some(true), cell_size, ..Parameters::default() }) };
         let blocks = vec![cube([0.0, 1.0, 0.0], 0.6)];
         let closure = Some(ClosureKind::Mirror);
         let scene = Scene { closure, particle_radius: 0.15, bodies: vec![body], blocks, ..scene(&cache) };
@@ -107,7 +110,7 @@ fn solids_and_containers_are_filled_to_their_walls() {
         let lowest = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
         assert!(lowest.distance(DVec3::new(4.525, 0.025, -0.475)) < 1e-9, "{lowest}");
         // An odd number of particles fits as well, and only a part may be filled.
-        let bake = Bake { scale: Some(PerAxis([0.95 / 3.1; 3])), ..tank(invert) };
+        let bake = Parameters { scale: Some(Scale([0.95 / 3.1; 3])), ..tank(invert) };
         let within = Some(Region { min: [4.0, 0.0, -1.0], max: [6.0, 0.475, 1.0] });
         let part = Fill { bake, within, ..fill };
         let prepared = run(&Scene { fills: vec![part], ..scene(&cache) }).unwrap();
@@ -171,7 +174,7 @@ fn no_fluid_is_an_error_with_its_cause() {
     let blocks = vec![cube([-0.25, 0.25, -0.25], 0.5)];
     let error = run(&Scene { bodies: vec![body(tank(false))], blocks, ..scene(&cache) }).unwrap_err();
     assert!(error.contains("all 1000 particles lie in a body") && error.contains("invert = true"), "{error}");
-    let bake = Bake { scale: Some(PerAxis([0.01; 3])), ..tank(false) };
+    let bake = Parameters { scale: Some(Scale([0.01; 3])), ..tank(false) };
     let fills = vec![Fill { mesh: Some(data("tank.obj")), bake, ..Fill::default() }];
     assert!(run(&Scene { fills, ..scene(&cache) }).unwrap_err().contains("no particle fits"));
 }
@@ -259,8 +262,53 @@ fn missing_and_useless_files_are_named() {
     std::fs::write(&bad_mesh, b"f 1 2 3\n").unwrap();
     assert!(error(Body { map: Some(bad_map), ..Body::default() }).contains("bad.h5"));
     assert!(error(Body { mesh: Some(bad_mesh), ..Body::default() }).contains("bad.obj"));
-    let tiny = Bake { cell_size: Some(1e-5), ..tank(true) };
+    let tiny = Parameters { cell_size: Some(1e-5), ..tank(true) };
     assert!(error(body(tiny)).contains("tank.obj"));
+}
+
+#[test]
+fn parameters_that_contradict_the_scene_are_refused_and_both_are_named() {
+    let cache = tempfile::tempdir().unwrap();
+    let bake = |given: Parameters, boundary| {
+        let blocks = vec![cube([-0.5, 0.0, -0.5], 0.5)];
+        let closure = scene(&cache).closure.filter(|_| boundary == BoundaryMethod::VolumeMap);
+        let body = body(given.over(&tank(true)));
+        run(&Scene { boundary, closure, bodies: vec![body], blocks, ..scene(&cache) })
+    };
+    let volume = |given| bake(given, BoundaryMethod::VolumeMap);
+    let density = |given| bake(given, BoundaryMethod::DensityMap).unwrap_err();
+    let radius = Parameters { support_radius: Some(0.3), ..Parameters::default() };
+    let error = volume(radius).unwrap_err();
+    assert!(
+        error.starts_with("bodies[0].bake.support_radius: gives a map of support radius 0.3 m"),
+        "{error}"
+    );
+    assert!(error.contains("closure `calibrated` takes one of 0.1 m"), "{error}");
+    let radius = Parameters { particle_radius: Some(0.1), ..Parameters::default() };
+    assert!(volume(radius).unwrap_err().starts_with("bodies[0].bake.particle_radius: "));
+    let error = density(Parameters { density: Some(false), ..Parameters::default() });
+    assert!(error.starts_with("bodies[0].bake.density: ") && error.contains("density_map"), "{error}");
+    let error =
+        density(Parameters { kernel: Some(DensityKernel(KernelKind::WendlandC2)), ..Parameters::default() });
+    assert!(
+        error.starts_with("bodies[0].bake.kernel: is wendland_c2, but kernel = \"cubic_spline\""),
+        "{error}"
+    );
+    // What the scene would choose itself is no contradiction, and the rest reaches the map.
+    let agreed = Parameters {
+        support_radius: Some(0.1),
+        precision: Some(PrecisionName::F64),
+        translate: Some(Numbers([0.0, 0.05, 0.0])),
+        density: Some(true),
+        kernel: Some(DensityKernel(KernelKind::WendlandC2)),
+        ..Parameters::default()
+    };
+    let prepared = volume(agreed).unwrap();
+    let map = &prepared.bodies[0].map;
+    assert_eq!((map.support_radius(), map.density_kernel()), (0.1, Some(KernelKind::WendlandC2)));
+    let plain = volume(Parameters::default()).unwrap();
+    let moved = map.grid().origin - plain.bodies[0].map.grid().origin;
+    assert!(moved.distance(0.05 * DVec3::Y) < 1e-9, "{moved}");
 }
 
 /// A glTF keeps its numbers in another file: a change there is another mesh.

@@ -101,7 +101,7 @@ fn placed(mut outline: Outline, placement: OutlinePlacement) -> Result<Outline, 
     }
     match outline.points.iter().flatten().all(|x| x.abs() <= mesh::MAX_COORDINATE) {
         true => Ok(outline),
-        false => Err(Error::setting("--unit and --translate", "carry the outline beyond 1e100 m")),
+        false => Err(Error::setting("translate", "carries the outline beyond 1e100 m, together with `unit`")),
     }
 }
 

@@ -60,7 +60,7 @@ pub fn unit_cube() -> TriangleMesh {
 /// # Errors
 /// As [`plan`] and [`compute_maps`]; no density in the settings.
 pub fn measure(mesh: &TriangleMesh, settings: &Settings) -> Result<Costs, Error> {
-    let no_density = || Error::setting("--density", "is needed for its cost");
+    let no_density = || Error::setting("density", "is needed for its cost");
     let density = settings.density.as_ref().ok_or_else(no_density)?;
     let mut mesh = mesh.clone();
     let Prepared { diagnosis, .. } = prepare(&mut mesh, false);
@@ -124,6 +124,6 @@ mod tests {
         assert_eq!(costs.volume.bytes, costs.density.bytes);
         assert!(costs.volume.bytes > 0 && costs.volume.bytes < costs.volume.paper_bytes);
         let error = measure(&unit_cube(), &Settings { density: None, ..settings }).unwrap_err();
-        assert!(error.to_string().contains("--density"), "{error}");
+        assert!(error.to_string().contains("density"), "{error}");
     }
 }

@@ -38,7 +38,7 @@ impl Lattice {
                 (cells * grid.cell_size / edge - 1e-9).ceil()
             }
             Some(LatticeChoice::CellSize(edge)) => {
-                return Err(Error::setting("--cell-size", format!("{edge} m is not a length")));
+                return Err(Error::setting("cell_size", format!("{edge} m is not a length")));
             }
         };
         let points = (steps.max(DVec3::ZERO) + DVec3::ONE).element_product();
@@ -47,7 +47,7 @@ impl Lattice {
                 "{} x {} x {} steps are {points:.3e} points; take 1 step at least and {most} points at most",
                 steps.x, steps.y, steps.z
             );
-            return Err(Error::setting("--resolution or --cell-size", reason));
+            return Err(Error::setting("resolution", format!("{reason} (by this or `cell_size`)")));
         }
         Ok(Lattice { axes: [0, 1, 2].map(|axis| coordinates(grid, axis, steps[axis] as u32)) })
     }

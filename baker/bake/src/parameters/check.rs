@@ -41,6 +41,11 @@ impl Parameters {
         TABLE.iter().filter(|row| (row.is_given)(self))
     }
 
+    /// Whether one of the group is given.
+    pub fn gives(&self, group: Group) -> bool {
+        self.given().any(|row| row.group == Some(group))
+    }
+
     /// Whether a flag is given as false.
     fn denies(&self, flag: &str) -> bool {
         TABLE.iter().any(|row| row.name == flag && (row.flag)(self) == Some(false))

@@ -46,7 +46,8 @@ pub struct Parameter {
     pub(super) copy: fn(&Parameters, &mut Parameters),
     /// Makes settings of the value, if it is given.
     pub(super) apply: fn(&Parameters, &mut Recipe),
-    /// The effective value as a text that differs whenever the value does, for content keys; none if another row's says it.
+    /// The effective value as a text that differs whenever the value does, for content keys; none if another row's says
+    /// it.
     pub(super) key: fn(&Recipe) -> Option<String>,
     /// The effective value as attributes of the asset.
     pub(super) describe: fn(&Baked) -> Vec<(&'static str, Value)>,
@@ -154,8 +155,8 @@ impl Parameter {
 
 /// Makes [`Parameters`] and [`TABLE`](super::TABLE) of rows.
 ///
-/// A row is a field of `Parameters` with its help as comment, and in braces `apply`, which makes settings of the value, then
-/// any other fields of [`Parameter`].
+/// A row is a field of `Parameters` with its help as comment, and in braces `apply`, which makes settings of the value,
+/// then any other fields of [`Parameter`].
 macro_rules! parameters {
     ($(
         $(#[doc = $help:literal])+

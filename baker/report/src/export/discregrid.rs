@@ -36,7 +36,7 @@ pub fn discregrid(asset: &Asset, with_volume: bool) -> Result<DiscreteGrid, Erro
     let grid = *VolumeMap::from_asset(asset)?.grid();
     let all = grid.resolution.as_u64vec3().element_product();
     let (stored, nodes) = stored(asset).filter(|_| all < u64::from(REMOVED)).ok_or_else(|| {
-        Error::setting("--output", "Discregrid's maps can't hold that many cells; take larger ones")
+        Error::setting("output", "Discregrid's maps can't hold that many cells; take larger ones")
     })?;
     let distance = values(&asset.signed_distance);
     let mut fields = vec![distances(asset, &grid, &stored, spread(asset, &stored, &distance, nodes)?)];

@@ -17,7 +17,7 @@ use volmap_runtime::{DVec3, Grid, VolumeMap};
 /// An asset that isn't consistent, or too many cells.
 pub fn hexahedra(asset: &Asset) -> Result<CubicHexahedra, Error> {
     let grid = *VolumeMap::from_asset(asset)?.grid();
-    let too_many = || Error::setting("--output", "a .vtkhdf file can't have that many cells; take .vti");
+    let too_many = || Error::setting("output", "a .vtkhdf file can't have that many cells; take .vti");
     let thirds = Nodes::new(3 * grid.resolution, &in_thirds(&asset.band_cells)).ok_or_else(too_many)?;
     let cells = cells(&asset.band_cells, &thirds);
     let points = points(&grid, &thirds);

@@ -35,7 +35,7 @@ fn subtitle(findings: &Findings) -> String {
     let [x, y, z] = asset.resolution;
     let mesh = match &findings.mesh {
         Some(mesh) => format!("compared with {}", mesh.file),
-        None => "compared with its own distance; give --mesh to measure that too".into(),
+        None => "compared with its own distance; give the mesh to measure that too".into(),
     };
     format!(
         "{x} × {y} × {z} cells, support radius {} m, {}; {mesh}",

@@ -1,9 +1,10 @@
 //! What the fluid touches: a map or a mesh, where it is, how it moves, what it is made of.
 
-use super::numbers::{PerAxis, Rotation};
+use super::numbers::Rotation;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
+use volmap_bake::parameters::Parameters;
 use volmap_documents::{At, Checked};
 use volmap_runtime::Pose;
 
@@ -17,8 +18,10 @@ pub struct Body {
     pub map: Option<PathBuf>,
     /// Or a mesh, which is baked on first use.
     pub mesh: Option<PathBuf>,
-    /// How the mesh is baked.
-    pub bake: Bake,
+    /// How the mesh is baked: parameters of `volmap bake`, with `_` for `-`. The support radius and, for density maps, the
+    /// kernel are the scene's. Default of the cells: a quarter of the support radius; with closure `mirror` an eighth, and a
+    /// twelfth for bodies that turn by `motion`.
+    pub bake: Parameters,
     /// Place of the body's origin at the start, metres.
     pub translation: [f64; 3],
     /// Rotation at the start, before the translation.
@@ -29,40 +32,6 @@ pub struct Body {
     pub material: Material,
     /// Red, green, blue in pictures, 0 to 1. Default: by the program.
     pub colour: Option<[f64; 3]>,
-}
-
-/// How a mesh becomes a map. The support radius is the scene's.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct Bake {
-    /// The mesh is a container: the solid is outside.
-    pub invert: bool,
-    /// Metres per unit of the file. Default: what the file says, or 1.
-    pub unit: Option<f64>,
-    /// Axis of the file that becomes +y.
-    pub up: Up,
-    /// Scale, one number or three.
-    pub scale: Option<PerAxis<f64>>,
-    /// Moves the surface out of the solid by this, metres.
-    pub thickness: f64,
-    /// Cells of the map, one number or three.
-    pub resolution: Option<PerAxis<u32>>,
-    /// Or the edge of its cubic cells, metres. Default: a quarter of the support radius; with closure `mirror` an eighth, and
-    /// a twelfth of bodies that turn by `motion`.
-    pub cell_size: Option<f64>,
-}
-
-/// Axis of a mesh file that points up.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum Up {
-    /// +x.
-    X,
-    /// +y: as it is.
-    #[default]
-    Y,
-    /// +z.
-    Z,
 }
 
 /// How a body moves.
@@ -162,12 +131,12 @@ pub enum Source<'a> {
     /// An asset.
     Map(&'a Path),
     /// A mesh and how it is baked.
-    Mesh(&'a Path, &'a Bake),
+    Mesh(&'a Path, &'a Parameters),
 }
 
 impl<'a> Source<'a> {
     /// The one that is given; `None` unless it is exactly one.
-    pub fn of(map: Option<&'a Path>, mesh: Option<&'a Path>, bake: &'a Bake) -> Option<Source<'a>> {
+    pub fn of(map: Option<&'a Path>, mesh: Option<&'a Path>, bake: &'a Parameters) -> Option<Source<'a>> {
         match (map, mesh) {
             (Some(map), None) => Some(Source::Map(map)),
             (None, Some(mesh)) => Some(Source::Mesh(mesh, bake)),
@@ -224,7 +193,7 @@ impl Body {
                 "keyframes say where the body is; leave out its own translation and rotation".into()
             })?;
         }
-        if self.bake.invert && matches!(self.motion, Motion::Free(_)) {
+        if self.bake.invert == Some(true) && matches!(self.motion, Motion::Free(_)) {
             return Err(at.problem("motion", "a container without an outside has no mass: it can't be free"));
         }
         self.material.check(&at.key("material"))?;
@@ -261,31 +230,18 @@ pub fn names(bodies: &[Body]) -> Vec<String> {
     out
 }
 
-pub(super) fn check_source(at: &At, map: bool, mesh: bool, bake: &Bake) -> Checked {
+pub(super) fn check_source(at: &At, map: bool, mesh: bool, bake: &Parameters) -> Checked {
     match (map, mesh) {
         (false, false) => {
             return Err(at.problem_here("give `map`, an asset, or `mesh`, a mesh that is baked"));
         }
         (true, true) => return Err(at.problem("mesh", "give `map` or `mesh`, not both")),
-        (true, false) if *bake != Bake::default() => {
+        (true, false) if *bake != Parameters::default() => {
             return Err(at.problem("bake", "is for meshes; `map` is baked already"));
         }
         _ => {}
     }
-    let at = at.key("bake");
-    if let Some(unit) = bake.unit {
-        at.positive("unit", unit)?;
-    }
-    for scale in bake.scale.iter().flat_map(|scale| scale.0) {
-        at.finite("scale", scale)?;
-        at.require("scale", scale != 0.0, || "is 0".into())?;
-    }
-    at.finite("thickness", bake.thickness)?;
-    if let Some(cells) = bake.resolution {
-        at.require("resolution", cells.0.iter().all(|&n| n > 0), || "has no cells".into())?;
-        at.require("cell_size", bake.cell_size.is_none(), || "give this or `resolution`, not both".into())?;
-    }
-    bake.cell_size.map_or(Ok(()), |edge| at.positive("cell_size", edge))
+    bake.check().map_err(|mistake| at.key("bake").problem(mistake.key, mistake.reason))
 }
 
 impl Motion {

@@ -31,7 +31,7 @@ pub(super) fn boundary(at: &At, scene: &Scene) -> Checked {
                     .into()
             })?;
             let at = at.key("bake");
-            at.require("thickness", body.bake.thickness == 0.0, || {
+            at.require("thickness", body.bake.thickness.is_none_or(|length| length == 0.0), || {
                 "moves a map's surface, but boundary = \"particles\" samples the mesh; take 0".into()
             })?;
         }

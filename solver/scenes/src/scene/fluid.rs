@@ -1,10 +1,11 @@
 //! Where the fluid comes from: boxes, solids, nozzles.
 
-use super::body::{Bake, Source, check_source};
+use super::body::{Source, check_source};
 use super::numbers::{Region, Rotation};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
+use volmap_bake::parameters::Parameters;
 use volmap_documents::{At, Checked};
 use volmap_fluid::lattice::{self, MAX_PARTICLES};
 use volmap_runtime::Pose;
@@ -32,8 +33,8 @@ pub struct Fill {
     pub map: Option<PathBuf>,
     /// Or its mesh, which is baked on first use.
     pub mesh: Option<PathBuf>,
-    /// How the mesh is baked.
-    pub bake: Bake,
+    /// How the mesh is baked: parameters of `volmap bake`, with `_` for `-`.
+    pub bake: Parameters,
     /// Place of the solid's origin, metres.
     pub translation: [f64; 3],
     /// Rotation of the solid, before the translation.

@@ -1,20 +1,20 @@
 //! From a body's file to its volume map: opened, or baked on first use and kept in a cache.
 
-use super::body::{Bake, Body, Source, Up};
+use super::body::{Body, Source};
 use crate::error::Error;
 use crate::output::io_error;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use volmap_bake::bake::{BakeSettings, bake};
+use volmap_bake::bake::bake;
 use volmap_bake::content_key;
-use volmap_bake::density_map::DensitySettings;
-use volmap_bake::input::{Input, InputSettings};
-use volmap_bake::plan::{GridChoice, Settings};
+use volmap_bake::input::Input;
+use volmap_bake::parameters::{DensityKernel, Group, Parameters};
+use volmap_bake::plan::GridChoice;
 use volmap_bake::recipe::Recipe;
 use volmap_fluid::boundary::density_map;
 use volmap_fluid::settings::{BoundaryMethod, World};
-use volmap_formats::asset::{self, Compression, Exterior};
-use volmap_formats::mesh::{Placement, TriangleMesh, UpAxis};
+use volmap_formats::asset::{self, Exterior};
+use volmap_formats::mesh::TriangleMesh;
 use volmap_runtime::{ClosureKind, Dimension, KernelKind, VolumeMap};
 
 /// Part by which a map's support radius may differ from the scene's: other programs store it in single
@@ -94,7 +94,7 @@ impl<'a> Library<'a> {
     /// The body with the cells that its map needs, if it leaves them open.
     pub fn with_cells(&self, body: &Body) -> Body {
         let mut body = body.clone();
-        if body.turns() && body.bake.resolution.is_none() && body.bake.cell_size.is_none() {
+        if body.turns() && !body.bake.gives(Group::Cells) {
             body.bake.cell_size = Some(self.cell_size_of_turning);
         }
         body
@@ -138,6 +138,9 @@ impl<'a> Library<'a> {
     /// # Errors
     /// As [`Library::obtain`], and a map of another radius, or without the density that is needed.
     pub fn obtain_for_body(&mut self, source: Source, key: &str) -> Result<Shape, Error> {
+        if let Source::Mesh(_, given) = source {
+            self.check_given(given, &format!("{key}.bake"))?;
+        }
         let shape = self.obtain_with(source, key, self.density)?;
         let (has, needs) = (shape.map.support_radius(), self.support_radius);
         if (has - needs).abs() <= SAME_RADIUS * needs {
@@ -152,6 +155,37 @@ impl<'a> Library<'a> {
             self.closure
         );
         Err(Error::Scene { place: format!("{key}.map"), reason })
+    }
+
+    /// Refuses parameters that the scene decides otherwise.
+    fn check_given(&self, given: &Parameters, key: &str) -> Result<(), Error> {
+        let refuse = |name: &str, reason: String| {
+            Err(Error::Scene { place: format!("{key}.{name}"), reason: format!("{reason}; leave it out") })
+        };
+        let radius =
+            [("support_radius", given.support_radius, 1.0), ("particle_radius", given.particle_radius, 4.0)];
+        for (name, value, times) in radius {
+            let has = times * value.unwrap_or(self.support_radius / times);
+            if (has - self.support_radius).abs() > SAME_RADIUS * self.support_radius {
+                let (closure, needs) = (self.closure, self.support_radius);
+                return refuse(
+                    name,
+                    format!(
+                        "gives a map of support radius {has} m, but closure `{closure}` takes one of {needs} m here"
+                    ),
+                );
+            }
+        }
+        let Some(kernel) = self.density else { return Ok(()) };
+        if given.density == Some(false) {
+            return refuse("density", "is false, but boundary = \"density_map\" needs the density".into());
+        }
+        match given.kernel {
+            Some(DensityKernel(other)) if other != kernel => {
+                refuse("kernel", format!("is {other}, but kernel = \"{kernel}\" in the scene"))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// The shape, if its map has the density that bodies need.
@@ -184,25 +218,21 @@ impl<'a> Library<'a> {
     fn bake_or_open(
         &mut self,
         path: &Path,
-        settings: &Bake,
+        given: &Parameters,
         density: Option<KernelKind>,
     ) -> Result<Shape, Error> {
-        let recipe = Recipe {
-            input: input_settings(settings),
-            bake: self.bake_settings(settings, density),
-            compression: Compression::default(),
-        };
+        let recipe = self.recipe(given, density);
         let identity = content_key::identify(path, recipe.effective())?;
         let mut input = content_key::load(path, &recipe, &identity)?;
-        let (key, baking) = (identity.key, recipe.bake);
+        let key = identity.key;
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
         let cached = self.cache.join(format!("{stem}-{}.h5", &key[..24]));
         let opened = cached.is_file().then(|| VolumeMap::open(&cached).ok()).flatten();
         let (map, origin) = match opened {
             Some(map) => (map, Origin::Cache),
-            None => (self.baked(path, &cached, input.clone(), &baking)?, Origin::Baked),
+            None => (self.baked(path, &cached, input.clone(), &recipe)?, Origin::Baked),
         };
-        volmap_bake::mesh::prepare(&mut input.mesh, baking.keep_orientation);
+        volmap_bake::mesh::prepare(&mut input.mesh, recipe.bake.keep_orientation);
         let content = *blake3::hash(key.as_bytes()).as_bytes();
         Ok(Shape { map: Arc::new(map), mesh: Some(Arc::new(input.mesh)), origin, content })
     }
@@ -213,16 +243,16 @@ impl<'a> Library<'a> {
         path: &Path,
         cached: &Path,
         input: Input,
-        settings: &BakeSettings,
+        recipe: &Recipe,
     ) -> Result<VolumeMap, Error> {
         (self.on_bake)(path);
         let baked =
-            bake(input, settings, &mut |_| (), &mut |_| ()).map_err(|error| cannot_bake(path, error))?;
+            bake(input, &recipe.bake, &mut |_| (), &mut |_| ()).map_err(|error| cannot_bake(path, error))?;
         let notes = baked.summary.warnings.iter().map(|warning| format!("{}: {warning}", path.display()));
         self.notes.extend(notes);
         let kept = std::fs::create_dir_all(&self.cache).map_err(|error| error.to_string());
         let kept = kept.and_then(|()| {
-            asset::write(cached, &baked.asset, Compression::default()).map_err(|error| error.to_string())
+            asset::write(cached, &baked.asset, recipe.compression).map_err(|error| error.to_string())
         });
         if let Err(error) = kept {
             self.notes.push(format!("{}: the map is not kept in the cache: {error}", path.display()));
@@ -230,53 +260,40 @@ impl<'a> Library<'a> {
         Ok(VolumeMap::from_asset(&baked.asset)?)
     }
 
-    fn bake_settings(&self, settings: &Bake, density: Option<KernelKind>) -> BakeSettings {
-        let grid = match (settings.resolution, settings.cell_size) {
-            (Some(cells), _) => GridChoice::Resolution(cells.0),
-            (None, Some(edge)) => GridChoice::CellSize(edge),
-            (None, None) => GridChoice::CellSize(self.cell_size),
-        };
-        let map = Settings {
-            support_radius: Some(self.support_radius),
-            grid,
-            invert: settings.invert,
-            thickness: settings.thickness,
-            density: density.map(|kernel| DensitySettings {
-                kernel,
-                extension: density_map::EXTENSION,
-                ..DensitySettings::default()
-            }),
-            ..Settings::default()
-        };
-        BakeSettings { map, ..BakeSettings::default() }
+    /// What is given, and what the scene decides: the support radius, the density, and the cells if they are left open.
+    fn recipe(&self, given: &Parameters, density: Option<KernelKind>) -> Recipe {
+        let mut given = given.clone();
+        if let Some(kernel) = density {
+            (given.density, given.kernel) = (Some(true), Some(DensityKernel(kernel)));
+        }
+        let mut recipe = given.recipe();
+        let map = &mut recipe.bake.map;
+        map.support_radius.get_or_insert(self.support_radius);
+        if map.grid == GridChoice::FromRadius {
+            map.grid = GridChoice::CellSize(self.cell_size);
+        }
+        if let Some(settings) = map.density.as_mut().filter(|_| density.is_some()) {
+            settings.extension = density_map::EXTENSION;
+        }
+        recipe
     }
 }
 
 /// Containers with cells so many times larger are worth a note.
 const COARSE: f64 = 1.2;
 
-/// Errors of settings don't say which mesh they are about.
+/// What a bake says of its parameters, with the mesh that it is about and the scene's keys.
 fn cannot_bake(path: &Path, error: volmap_bake::Error) -> Error {
-    match error {
-        volmap_bake::Error::Setting { .. } | volmap_bake::Error::Memory { .. } => {
-            Error::Scene { place: path.display().to_string(), reason: format!("can't be baked: {error}") }
-        }
-        other => Error::Bake(other),
-    }
-}
-
-fn input_settings(settings: &Bake) -> InputSettings {
-    let up_axis = match settings.up {
-        Up::X => UpAxis::X,
-        Up::Y => UpAxis::Y,
-        Up::Z => UpAxis::Z,
+    let reason = match error {
+        volmap_bake::Error::Setting { parameter, reason } => format!("bake.{parameter}: {reason}"),
+        volmap_bake::Error::Memory { needed, allowed } => format!(
+            "it would need about {} MiB, more than {} MiB; take larger cells (`bake.cell_size`)",
+            needed >> 20,
+            allowed >> 20
+        ),
+        other => return Error::Bake(other),
     };
-    let scale = settings.scale.map_or([1.0; 3], |scale| scale.0);
-    InputSettings {
-        unit: settings.unit,
-        placement: Placement { up_axis, scale, ..Placement::default() },
-        ..InputSettings::default()
-    }
+    Error::Scene { place: path.display().to_string(), reason: format!("can't be baked: {reason}") }
 }
 
 fn open_asset(path: &Path) -> Result<Shape, Error> {

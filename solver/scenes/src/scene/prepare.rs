@@ -102,7 +102,7 @@ pub fn prepare(scene: &Scene, on_bake: &mut dyn FnMut(&Path)) -> Result<Prepared
         files.push(SourceFile { path: source.path().to_owned(), content });
         let mesh = mesh.map(|mesh| MeshDistance::new(&mesh, SignMethod::Auto, &diagnose(&mesh)));
         let map = PosedMap { map, pose: fill.pose() };
-        fills.push(Solid { map, mesh, thickness: fill.bake.thickness });
+        fills.push(Solid { map, mesh, thickness: fill.bake.thickness.unwrap_or(0.0) });
     }
     let mut notes = library.notes;
     let posed: Vec<PosedMap> = bodies.iter().map(PreparedBody::posed).collect();
