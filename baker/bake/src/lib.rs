@@ -9,6 +9,7 @@
 
 pub mod area_map;
 pub mod bake;
+mod clock;
 pub mod content_key;
 pub mod density_map;
 pub mod describe;
@@ -24,9 +25,12 @@ pub mod random;
 pub mod recipe;
 pub mod rows;
 pub mod sdf;
+pub mod settings;
+pub mod stage;
+mod storage;
 pub mod summary;
 pub mod tolerance;
 pub mod volume_map;
-pub mod work;
+pub mod watch;
 
 pub use error::Error;
