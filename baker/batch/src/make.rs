@@ -33,11 +33,18 @@ pub fn make(task: &MakeTask, watch: &Watch) -> Result<MakeResult, Error> {
     let failed_gates = gates::failed(&task.gates, &figures, bytes.len() as u64);
     let files = if failed_gates.is_empty() { &task.files.good } else { &task.files.rejected };
     watch.step("drawing")?;
-    publish(&files.preview, &preview::preview(&VolumeMap::from_asset(&asset)?))?;
-    if let Some(page) = &files.report {
-        write_report(page, &asset, task, watch)?;
-    }
+    let preview = preview::preview(&VolumeMap::from_asset(&asset)?);
+    let report = match &files.report {
+        Some(page) => Some((page, report_of(&asset, task, watch)?)),
+        None => None,
+    };
+    // Last of all, so that nothing is left of what is stopped before.
     watch.step("writing")?;
+    publish(&files.preview, &preview)?;
+    if let Some((page, report)) = &report {
+        publish(&page.with_extension("json"), report.json.as_bytes())?;
+        publish(page, report.html.as_bytes())?;
+    }
     if from.is_none() || from != task.files.cached {
         notes.extend(keep(&bytes, task));
     }
@@ -113,15 +120,20 @@ fn read_same(path: &Path, key: &str) -> Option<(Asset, Vec<u8>)> {
     (key_of(&asset) == Some(key)).then_some((asset, bytes))
 }
 
+/// A report as it is written.
+struct WrittenReport {
+    json: String,
+    html: String,
+}
+
 /// Without a verdict: gates may change, and the page stays.
-fn write_report(path: &Path, asset: &Asset, task: &MakeTask, watch: &Watch) -> Result<(), Error> {
+fn report_of(asset: &Asset, task: &MakeTask, watch: &Watch) -> Result<WrittenReport, Error> {
     watch.step("measuring for the report")?;
     let mesh = content_key::load(&task.input.mesh, &task.input.parameters.recipe(), &task.identity)?;
     let found = report(asset, Some(mesh), &report::ReportSettings::default(), &watch.silent())?;
     let json = serde_json::to_string_pretty(&found.findings).expect("numbers and text") + "\n";
     let html = page(&file_name(&task.files.good.asset), &found.findings, found.pictures()).to_html();
-    publish(&path.with_extension("json"), json.as_bytes())?;
-    publish(path, html.as_bytes())
+    Ok(WrittenReport { json, html })
 }
 
 fn publish(path: &Path, bytes: &[u8]) -> Result<(), Error> {
