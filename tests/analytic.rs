@@ -34,7 +34,7 @@ fn errors(solid: &Solid, resolution: u32, part: Part, rule: Rule) -> [f64; 2] {
     let map = map_of(solid, resolution, &settings);
     let reference_rule = Rule::Ball(16).points();
     let ball = 4.0 / 3.0 * std::f64::consts::PI * RADIUS.powi(3);
-    let mut random = Random(42);
+    let mut random = Random::from_state(42);
     let mut worst = [0.0f64; 2];
     let mut found = 0;
     while found < 10_000 {

@@ -9,7 +9,7 @@ use volmap_bake::rows::positions;
 use volmap_bake::sdf::band::find_band;
 use volmap_bake::sdf::field::{DistanceField, Phi};
 use volmap_bake::volume_map::quadrature::{Rule, gauss_legendre};
-use volmap_bake::work::Work;
+use volmap_bake::watch::Work;
 use volmap_formats::asset::{self, Compression, Exterior};
 use volmap_runtime::KernelKind;
 use volmap_runtime::layout::Nodes;
@@ -48,7 +48,8 @@ fn lattice_is_the_oracle_at_every_node() {
         let (plan, maps) = compute(solid, resolution, &Settings { invert, ..settings(density) });
         // Phi wherever a ball may reach, on a lattice with a margin.
         let grid = plan.grown((R / plan.grid.cell_size).ceil().as_uvec3() + 1);
-        let cells = find_band(&grid, 3.0 * R + 2.0 * grid.cell_size.length(), &solid.phi, &Work::new(0));
+        let cells =
+            find_band(&grid, 3.0 * R + 2.0 * grid.cell_size.length(), &solid.phi, &Work::default()).unwrap();
         let nodes = Nodes::new(grid.resolution, &cells.band).unwrap();
         let field = DistanceField::sample(grid, &cells, &nodes, Exterior::Fluid, &|x: DVec3| (solid.phi)(x));
         let phi = |x: DVec3| match field.at(x) {
@@ -120,7 +121,7 @@ fn maps_hold_the_exact_density_to_what_the_element_allows() {
         let density = DensitySettings { rule: Rule::GaussLegendre(50), ..DensitySettings::default() };
         let error = |resolution: u32| {
             let map = map_of(solid, resolution, &Settings { invert, ..settings(density) });
-            let mut random = Random(71);
+            let mut random = Random::from_state(71);
             let (mut worst, mut seen) = (0.0f64, 0);
             while seen < 300 {
                 let x = random.point(map.grid().origin, map.grid().max_corner());
@@ -143,7 +144,7 @@ fn maps_hold_the_exact_density_to_what_the_element_allows() {
 #[test]
 fn gradients_are_finite_differences() {
     let map = map_of(&TORUS, 20, &settings(DensitySettings::default()));
-    let mut random = Random(73);
+    let mut random = Random::from_state(73);
     let mut checked = 0;
     while checked < 1_000 {
         let x = random.point(map.grid().origin, map.grid().max_corner());
@@ -188,7 +189,7 @@ fn bodies_turn_the_gradient() {
     let rotation = DQuat::from_axis_angle(DVec3::new(1.0, 2.0, -1.0).normalize(), 0.7);
     let pose = Pose { rotation, translation: DVec3::new(3.0, -2.0, 1.0) };
     let body = PosedMap { map: map.clone(), pose };
-    let mut random = Random(79);
+    let mut random = Random::from_state(79);
     let points: Vec<DVec3> =
         (0..1_500).map(|_| random.point(map.grid().origin, map.grid().max_corner())).collect();
     let world: Vec<DVec3> = points.iter().map(|&x| pose.to_world(x)).collect();

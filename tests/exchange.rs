@@ -8,6 +8,7 @@ use volmap_bake::iso_surface::lattice::LatticeChoice;
 use volmap_bake::iso_surface::{Surface, iso_surface};
 use volmap_bake::plan::{GridChoice, Precision, Settings};
 use volmap_bake::volume_map::quadrature::Rule;
+use volmap_bake::watch::Watch;
 use volmap_formats::asset::{Array, Asset, Exterior};
 use volmap_formats::export::cdm::{DiscreteGrid, REMOVED, UNSAMPLED, from_bytes, to_bytes};
 use volmap_formats::export::vti::Numbers;
@@ -39,7 +40,7 @@ fn settings() -> Settings {
 fn baked(mesh: &str, map: Settings) -> Asset {
     let placement = Placement { scale: [0.5, 0.5, 0.75], ..Placement::default() };
     let input = load(&peer(mesh), &InputSettings { placement, ..InputSettings::default() }).unwrap();
-    bake(input, &BakeSettings { map, ..BakeSettings::default() }, &mut |_| (), &mut |_| ()).unwrap().asset
+    bake(input, &BakeSettings { map, ..BakeSettings::default() }, &Watch::default()).unwrap().asset
 }
 
 fn computed(solid: &Solid, resolution: u32, r: f64) -> Asset {
@@ -57,7 +58,7 @@ fn bits(field: &Array) -> Vec<u64> {
 }
 
 fn through_a_file(asset: &Asset, settings: &ImportSettings) -> Import {
-    let grid = from_bytes(&to_bytes(&discregrid(asset, true).unwrap())).unwrap();
+    let grid = from_bytes(&to_bytes(&discregrid(asset, true, &Watch::default()).unwrap())).unwrap();
     from_grid(&grid, settings).unwrap()
 }
 
@@ -81,7 +82,7 @@ fn maps_come_back_to_the_bit() {
         assert_eq!(bits(&back.volume), bits(&asset.volume), "{name}");
         assert!((back.quadrature.ball_volume / asset.quadrature.ball_volume - 1.0).abs() < 1e-6, "{name}");
         let (map, other) = (VolumeMap::from_asset(&asset).unwrap(), VolumeMap::from_asset(&back).unwrap());
-        let mut random = Random(5);
+        let mut random = Random::from_state(5);
         for _ in 0..20_000 {
             let x = random.point(map.grid().origin - 0.1, map.grid().max_corner() + 0.1);
             let (sample, there) = (map.sample(x), other.sample(x));
@@ -99,7 +100,9 @@ fn what_is_outside_is_told_by_the_border() {
         assert_eq!(through_a_file(&asset, &IMPORT).asset.exterior, asset.exterior);
     }
     let cut = Some([[-0.2, -0.5, -0.9], [0.9, 0.3, 0.9]]);
-    let grid = discregrid(&baked("torus.obj", Settings { domain: cut, ..settings() }), true).unwrap();
+    let grid =
+        discregrid(&baked("torus.obj", Settings { domain: cut, ..settings() }), true, &Watch::default())
+            .unwrap();
     assert!(from_grid(&grid, &IMPORT).unwrap_err().contains("--exterior"));
 }
 
@@ -108,7 +111,7 @@ fn deep_in_the_solid_the_distance_goes_on() {
     // Far more than the support radius lies beyond the band; distances there are known.
     for (solid, r) in [(SPHERE, 0.03), (TORUS, 0.02)] {
         let asset = computed(&solid, 40, r);
-        let grid = discregrid(&asset, true).unwrap();
+        let grid = discregrid(&asset, true, &Watch::default()).unwrap();
         let field = &grid.fields[0];
         let (mut worst, mut deepest, mut checked) = (0.0f64, 0.0f64, 0);
         for (cell, &stored) in field.cell_map.iter().enumerate().filter(|(_, stored)| **stored != REMOVED) {
@@ -152,7 +155,7 @@ fn the_peers_map_is_interpolated_as_the_peer_does() {
 
 /// The sphere's map after a change, imported.
 fn refusal(change: &dyn Fn(&mut DiscreteGrid)) -> String {
-    let mut grid = discregrid(&computed(&SPHERE, 16, R), true).unwrap();
+    let mut grid = discregrid(&computed(&SPHERE, 16, R), true, &Watch::default()).unwrap();
     change(&mut grid);
     from_grid(&grid, &IMPORT).unwrap_err()
 }
@@ -201,7 +204,7 @@ fn maps_that_make_no_sense_are_refused() {
 fn cells_that_the_peer_left_out_are_what_lies_beside_them() {
     let asset = computed(&SPHERE, 24, 0.05);
     assert!(!asset.solid_cells.is_empty());
-    let mut grid = discregrid(&asset, true).unwrap();
+    let mut grid = discregrid(&asset, true, &Watch::default()).unwrap();
     let unsampled: Vec<bool> = grid.fields[1].nodes.iter().map(|v| *v == UNSAMPLED).collect();
     for field in &mut grid.fields {
         for stored in field.cell_map.iter_mut().filter(|stored| **stored != REMOVED) {
@@ -216,7 +219,7 @@ fn cells_that_the_peer_left_out_are_what_lies_beside_them() {
 
 #[test]
 fn another_radius_or_factor_is_told() {
-    let mut grid = discregrid(&computed(&SPHERE, 16, R), true).unwrap();
+    let mut grid = discregrid(&computed(&SPHERE, 16, R), true, &Watch::default()).unwrap();
     grid.fields[1].nodes.iter_mut().filter(|v| **v != UNSAMPLED).for_each(|v| *v *= 0.8);
     let warnings = from_grid(&grid, &IMPORT).unwrap().warnings;
     assert!(warnings[0].contains("0.800 of the full ball") && warnings[0].contains("0.8"), "{warnings:?}");
@@ -255,10 +258,10 @@ fn damaged(bytes: &[u8], random: &mut Random) -> Vec<u8> {
 
 #[test]
 fn damaged_maps_are_refused_or_sound() {
-    let small = to_bytes(&discregrid(&computed(&SPHERE, 2, R), true).unwrap());
+    let small = to_bytes(&discregrid(&computed(&SPHERE, 2, R), true, &Watch::default()).unwrap());
     let torus = std::fs::read(peer("torus_map.cdm")).unwrap();
     for (seed, bytes) in [(11, small), (12, torus)] {
-        let mut random = Random(seed);
+        let mut random = Random::from_state(seed);
         let (mut sound, mut refused) = (0, 0);
         for round in 0..DAMAGED {
             let exterior = (round % 2 == 0).then_some(Exterior::Solid);
@@ -295,8 +298,8 @@ fn lagrange(f: f64) -> [f64; 4] {
 fn cubic_hexahedra_are_the_map() {
     let asset = computed(&TORUS, 12, R);
     let map = VolumeMap::from_asset(&asset).unwrap();
-    let grid = hexahedra(&asset).unwrap();
-    let mut random = Random(3);
+    let grid = hexahedra(&asset, &Watch::default()).unwrap();
+    let mut random = Random::from_state(3);
     for _ in 0..2000 {
         let cell = &grid.cells[random.below(grid.cells.len())];
         let (low, high) =
@@ -316,7 +319,9 @@ fn images_hold_the_values_everywhere() {
     let asset = computed(&SPHERE, 24, 0.05);
     let map = VolumeMap::from_asset(&asset).unwrap();
     let steps = LatticeChoice::Resolution([31, 20, 27]);
-    let image = image(&asset, &ExportSettings { lattice: Some(steps), ..Default::default() }).unwrap();
+    let image =
+        image(&asset, &ExportSettings { lattice: Some(steps), ..Default::default() }, &Watch::default())
+            .unwrap();
     assert_eq!(image.points, [32, 21, 28]);
     let [(_, Numbers::F64(distance)), (_, Numbers::F64(volume)), (_, Numbers::U8(region))] =
         &image.arrays[..]
@@ -339,14 +344,17 @@ fn images_hold_the_values_everywhere() {
     }
     assert!(regions.iter().all(|n| *n > 100), "{regions:?}");
     let one = ExportSettings { field: Some(Field::Volume), ..Default::default() };
-    let names =
-        volmap_report::export::image::image(&asset, &one).unwrap().arrays.into_iter().map(|(name, _)| name);
+    let names = volmap_report::export::image::image(&asset, &one, &Watch::default())
+        .unwrap()
+        .arrays
+        .into_iter()
+        .map(|(name, _)| name);
     assert_eq!(names.collect::<Vec<_>>(), ["volume", "region"]);
 }
 
 /// Edges that don't run once each way, and the volume.
 fn surface(asset: &Asset, iso: f64, lattice: Option<LatticeChoice>) -> Result<Surface, volmap_bake::Error> {
-    iso_surface(&VolumeMap::from_asset(asset)?, iso, lattice)
+    iso_surface(&VolumeMap::from_asset(asset)?, iso, lattice, &Watch::default())
 }
 
 fn open_edges_and_volume(surface: &Surface) -> (usize, f64) {

@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::process::Command;
 use volmap_bake::plan;
+use volmap_bake::watch::Watch;
 use volmap_figures::page::{
     Block, Cell, Column, Image, Link, Outcome, Page, Parameter, Section, Table, Verdict,
 };
@@ -23,7 +24,7 @@ fn image() -> Image {
         pixels: 200,
         contours: vec![0.001, 0.002],
     };
-    let png = slice(&map, &settings, None).unwrap().figure.to_png();
+    let png = slice(&map, &settings, None, &Watch::default()).unwrap().figure.to_png();
     Image {
         png,
         alt: format!("slice of {NASTY}"),

@@ -7,6 +7,7 @@ use volmap_bake::density_map::DensitySettings;
 use volmap_bake::input::{InputSettings, load};
 use volmap_bake::plan::{GridChoice, Precision, Settings};
 use volmap_bake::volume_map::quadrature::Rule;
+use volmap_bake::watch::Watch;
 use volmap_formats::asset::Array;
 use volmap_formats::mesh::Placement;
 use volmap_runtime::layout::{Family, Nodes};
@@ -74,7 +75,7 @@ fn bake_as_peer(mesh: &str, scale: f64, peer: &Peer, density: Option<DensitySett
         density,
         ..Settings::default()
     };
-    bake(input, &BakeSettings { map, ..BakeSettings::default() }, &mut |_| (), &mut |_| ()).unwrap()
+    bake(input, &BakeSettings { map, ..BakeSettings::default() }, &Watch::default()).unwrap()
 }
 
 /// Our number of a node, if it is in the band.

@@ -4,7 +4,7 @@ use std::path::Path;
 use volmap_bake::bake::{BakeSettings, bake};
 use volmap_bake::input::{Input, Source};
 use volmap_bake::plan::{GridChoice, Precision, Settings as MapSettings};
-use volmap_bake::work::Work;
+use volmap_bake::watch::Watch;
 use volmap_formats::asset::{Array, Asset};
 use volmap_formats::mesh::{CleanReport, Placement, TriangleMesh};
 use volmap_report::report::findings::Findings;
@@ -49,7 +49,7 @@ fn baked_in(input: &Input, precision: Precision, domain: Option<[[f64; 3]; 2]>) 
         ..MapSettings::default()
     };
     let settings = BakeSettings { map, ..BakeSettings::default() };
-    bake(input.clone(), &settings, &mut |_| (), &mut |_| ()).unwrap().asset
+    bake(input.clone(), &settings, &Watch::default()).unwrap().asset
 }
 
 fn quick() -> ReportSettings {
@@ -57,7 +57,7 @@ fn quick() -> ReportSettings {
 }
 
 fn of(asset: &Asset, mesh: Option<Input>, settings: &ReportSettings) -> Report {
-    report(asset, mesh, settings, &mut |_| ()).unwrap()
+    report(asset, mesh, settings, &Watch::default()).unwrap()
 }
 
 #[test]
@@ -76,7 +76,7 @@ fn parts_add_up_to_the_whole_error_at_every_point() {
         };
         let mut storage = 0.0f64;
         let mut known = 0;
-        for sample in measure(&measuring, &points, &Work::new(0)) {
+        for sample in measure(&measuring, &points, &Watch::default()).unwrap() {
             let Some(parts) = sample.parts else { continue };
             let sum: f64 = ErrorPart::ALL.iter().filter_map(|part| part.of(&parts)).sum();
             let whole = sample.against(Reference::FineMesh).unwrap().error();
@@ -161,7 +161,7 @@ fn walls_and_gaps_are_as_wide_as_they_were_made() {
     let corners: Vec<[DVec3; 3]> = input.mesh.triangles.iter().map(|t| t.map(corner)).collect();
     let points: Vec<(DVec3, u32)> = spread(&corners).into_iter().step_by(7).collect();
     let mut counts = [0; 3];
-    for (width, (point, _)) in widths(&solid, &points, 0.2).iter().zip(&points) {
+    for (width, (point, _)) in widths(&solid, &points, 0.2, &Watch::default()).unwrap().iter().zip(&points) {
         let margin = |x: f64| (0.1..0.9).contains(&x);
         if !(margin(point.x) && margin(point.z)) {
             continue;

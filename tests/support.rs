@@ -4,36 +4,11 @@ use std::path::{Path, PathBuf};
 use volmap_bake::density_map::compute_density;
 use volmap_bake::maps::{Maps, compute_maps};
 use volmap_bake::plan::{Extent, GridChoice, Plan, Settings, plan};
+use volmap_bake::watch::Watch;
 use volmap_formats::asset::{Array, Asset, Attributes, Dimension, QuadratureSpec};
 use volmap_runtime::{DVec3, VolumeMap};
 
-/// A small generator of reproducible numbers (xorshift64*).
-pub struct Random(pub u64);
-
-impl Random {
-    /// The next 64 bits.
-    pub fn bits(&mut self) -> u64 {
-        self.0 ^= self.0 >> 12;
-        self.0 ^= self.0 << 25;
-        self.0 ^= self.0 >> 27;
-        self.0.wrapping_mul(0x2545F4914F6CDD1D)
-    }
-
-    /// A number in [0, 1).
-    pub fn unit(&mut self) -> f64 {
-        (self.bits() >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    /// A number in 0 .. n.
-    pub fn below(&mut self, n: usize) -> usize {
-        (self.unit() * n as f64) as usize
-    }
-
-    /// A point in a box.
-    pub fn point(&mut self, low: DVec3, high: DVec3) -> DVec3 {
-        low + (high - low) * DVec3::new(self.unit(), self.unit(), self.unit())
-    }
-}
+pub use volmap_bake::random::Random;
 
 /// A solid with a closed form of its signed distance.
 pub struct Solid {
@@ -63,9 +38,9 @@ pub const TORUS: Solid = Solid {
 pub fn compute(solid: &Solid, resolution: u32, settings: &Settings) -> (Plan, Maps) {
     let settings = Settings { grid: GridChoice::Resolution([resolution; 3]), ..settings.clone() };
     let plan = plan(&solid.extent, &settings).unwrap();
-    let mut maps = compute_maps(&plan, settings.rule, &solid.phi, &mut |_| ()).unwrap();
+    let mut maps = compute_maps(&plan, settings.rule, &solid.phi, &Watch::default()).unwrap();
     if let Some(density) = &settings.density {
-        maps.density = Some(compute_density(&plan, density, &solid.phi, &maps, &mut |_| ()).unwrap());
+        maps.density = Some(compute_density(&plan, density, &solid.phi, &maps, &Watch::default()).unwrap());
     }
     (plan, maps)
 }

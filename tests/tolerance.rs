@@ -6,6 +6,7 @@ use volmap_bake::plan::{GridChoice, Settings};
 use volmap_bake::sdf::{MeshDistance, SignMethod};
 use volmap_bake::volume_map::extension::extension;
 use volmap_bake::volume_map::quadrature::Rule;
+use volmap_bake::watch::Watch;
 use volmap_formats::mesh::Placement;
 use volmap_runtime::{DVec3, VolumeMap};
 use volmap_tests::Random;
@@ -15,7 +16,7 @@ fn baked(mesh: &str, scale: f64, invert: bool, grid: GridChoice) -> Bake {
     let placement = Placement { scale: [scale; 3], ..Placement::default() };
     let input = load(&path, &InputSettings { placement, ..InputSettings::default() }).unwrap();
     let map = Settings { support_radius: Some(0.1), grid, invert, ..Settings::default() };
-    bake(input, &BakeSettings { map, ..BakeSettings::default() }, &mut |_| (), &mut |_| ()).unwrap()
+    bake(input, &BakeSettings { map, ..BakeSettings::default() }, &Watch::default()).unwrap()
 }
 
 /// Largest error and that of 99 % of random points of the fluid within 2 r, as parts of the ball.
@@ -34,7 +35,7 @@ fn true_errors(mesh: &str, scale: f64, invert: bool, bake: &Bake) -> [f64; 2] {
         if invert { -phi } else { phi }
     };
     let rule = Rule::Ball(9).points();
-    let (mut random, mut errors) = (Random(99), Vec::new());
+    let (mut random, mut errors) = (Random::from_state(99), Vec::new());
     while errors.len() < 400 {
         let x = random.point(map.grid().origin, map.grid().max_corner());
         if !(0.0..2.0 * R).contains(&phi(x)) {

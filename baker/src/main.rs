@@ -1,10 +1,10 @@
 //! The `volmap` program: parses, reports progress, maps errors to exit codes. All else is in the library.
 
 mod args;
-mod batch_progress;
 mod options;
 mod progress;
 mod run;
+mod signals;
 
 use anyhow::Result;
 use args::{Arguments, Command};
@@ -21,6 +21,10 @@ fn main() -> ExitCode {
         Ok(code) => code,
         // The reader of a pipe may have had enough.
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
+        Err(error) if signals::is_cancelled(&error) => {
+            eprintln!("stopped; nothing was written");
+            ExitCode::from(signals::STOPPED)
+        }
         Err(error) => {
             eprintln!("error: {}", message(&error));
             ExitCode::FAILURE

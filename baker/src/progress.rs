@@ -1,39 +1,69 @@
 //! Progress on a terminal, for whatever takes longer than a moment; a line for the plan elsewhere.
 
+mod batch;
+
+use crate::signals::cancel_on_signals;
+use anyhow::Result;
+pub use batch::BatchProgress;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
 use std::thread::JoinHandle;
 use std::time::Duration;
-use volmap_bake::bake::Step;
 use volmap_bake::plan::Plan;
-use volmap_bake::work::Work;
+use volmap_bake::watch::{Cancel, Step, Watch};
 use volmap_formats::text::{bytes, thousands};
-use volmap_report::report;
-use volmap_report::reproduce;
 
 /// How often the bar is drawn; a bake that is faster shows none.
 const TICK: Duration = Duration::from_millis(100);
 
-/// What is being done, and how far it is.
-type Shown = (&'static str, Option<Work>);
+/// What the thread that draws is told.
+enum Told {
+    Step(Step),
+    /// Nothing comes any more.
+    End,
+}
 
-/// Shows what the program is at.
+/// Shows what the program is at, and stops it when it is told to.
 pub struct Progress {
     quiet: bool,
+    cancel: Cancel,
     /// Of the thread that draws, if there is a terminal to draw on.
-    drawing: Option<(Sender<Shown>, JoinHandle<()>)>,
+    drawing: Option<(Sender<Told>, JoinHandle<()>)>,
+}
+
+/// Whether bars are shown.
+fn is_visible(quiet: bool) -> bool {
+    !quiet && std::io::stderr().is_terminal()
+}
+
+/// A style; templates are those of the program.
+fn style(template: &str) -> ProgressStyle {
+    ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar())
 }
 
 impl Progress {
-    /// A bar on a terminal; nothing elsewhere.
-    pub fn new(quiet: bool) -> Progress {
-        let visible = !quiet && std::io::stderr().is_terminal();
-        let drawing = visible.then(|| {
+    /// A bar on a terminal; nothing elsewhere. Signals stop the work from now on.
+    pub fn new(quiet: bool) -> Result<Progress> {
+        let cancel = cancel_on_signals()?;
+        let drawing = is_visible(quiet).then(|| {
             let (steps, received) = mpsc::channel();
             (steps, std::thread::spawn(move || draw(&received)))
         });
-        Progress { quiet, drawing }
+        Ok(Progress { quiet, cancel, drawing })
+    }
+
+    /// What the work is given.
+    pub fn watch(&self) -> Watch {
+        let watch = match &self.drawing {
+            Some((steps, _)) => {
+                let steps = steps.clone();
+                // After the end nobody hears it.
+                Watch::new(move |step| _ = steps.send(Told::Step(step.clone())))
+            }
+            None => Watch::default(),
+        };
+        watch.stopped_by(&self.cancel)
     }
 
     /// Prints the estimate before anything large is computed.
@@ -53,38 +83,10 @@ impl Progress {
         );
     }
 
-    /// Names the step.
-    pub fn step(&self, step: Step) {
-        self.show((step.name(), step.work().cloned()));
-    }
-
-    /// Names the step of a report.
-    pub fn report(&self, step: report::ReportStep) {
-        self.show(match step {
-            report::ReportStep::Opening => ("preparing", None),
-            report::ReportStep::Samples(work) => ("integrating at random points", Some(work)),
-            report::ReportStep::Surface => ("measuring the surface", None),
-            report::ReportStep::Slices(work) => ("integrating at pixels", Some(work)),
-            report::ReportStep::Pictures => ("drawing", None),
-        });
-    }
-
-    /// Names the step of an experiment.
-    pub fn reproduce(&self, step: reproduce::ExperimentStep) {
-        self.show((step.name, step.work));
-    }
-
-    fn show(&self, shown: Shown) {
-        if let Some((steps, _)) = &self.drawing {
-            // The thread ends after this end of the channel does.
-            let _ = steps.send(shown);
-        }
-    }
-
     /// Clears the bar.
     pub fn finish(&mut self) {
         if let Some((steps, thread)) = self.drawing.take() {
-            drop(steps);
+            let _ = steps.send(Told::End);
             let _ = thread.join();
         }
     }
@@ -98,44 +100,40 @@ impl Drop for Progress {
 }
 
 /// Draws the steps that arrive until there are no more.
-fn draw(steps: &Receiver<Shown>) {
-    let mut current: Option<(ProgressBar, Option<Work>)> = None;
+fn draw(steps: &Receiver<Told>) {
+    let mut current: Option<(ProgressBar, Step)> = None;
     loop {
         match steps.recv_timeout(TICK) {
-            Ok((name, work)) => {
+            Ok(Told::Step(step)) => {
                 clear(&current);
-                current = Some((bar(name, work.as_ref()), work));
+                current = Some((bar(&step), step));
             }
             Err(RecvTimeoutError::Timeout) => tick(&current),
-            Err(RecvTimeoutError::Disconnected) => return clear(&current),
+            Ok(Told::End) | Err(RecvTimeoutError::Disconnected) => return clear(&current),
         }
     }
 }
 
-fn clear(current: &Option<(ProgressBar, Option<Work>)>) {
+fn clear(current: &Option<(ProgressBar, Step)>) {
     if let Some((bar, _)) = current {
         bar.finish_and_clear();
     }
 }
 
-fn tick(current: &Option<(ProgressBar, Option<Work>)>) {
-    if let Some((bar, work)) = current {
+fn tick(current: &Option<(ProgressBar, Step)>) {
+    if let Some((bar, step)) = current {
         bar.tick();
-        work.iter().for_each(|work| bar.set_position(work.done()));
+        step.work.iter().for_each(|work| bar.set_position(work.done()));
     }
 }
 
-fn bar(name: &'static str, work: Option<&Work>) -> ProgressBar {
-    let target = ProgressDrawTarget::stderr();
-    let (bar, template) = match work {
-        Some(work) => (
-            ProgressBar::with_draw_target(Some(work.total), target),
-            "{msg} {bar:30} {percent:>3} %, {per_sec}, {eta} left",
-        ),
-        None => (ProgressBar::with_draw_target(None, target), "{spinner} {msg}, {elapsed}"),
+fn bar(step: &Step) -> ProgressBar {
+    let (length, template) = match &step.work {
+        Some(work) => (Some(work.total()), "{msg} {bar:30} {percent:>3} %, {per_sec}, {eta} left"),
+        None => (None, "{spinner} {msg}, {elapsed}"),
     };
-    let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
-    bar.set_style(style);
-    bar.set_message(name);
+    let bar = ProgressBar::with_draw_target(length, ProgressDrawTarget::stderr());
+    bar.set_style(style(template));
+    bar.set_message(step.name);
     bar
 }

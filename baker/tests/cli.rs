@@ -366,6 +366,50 @@ fn killing_leaves_nothing_half_done() {
     assert!(killed > 10, "only {killed} were killed in time");
 }
 
+/// Ctrl-C while each kind of long work runs.
+#[cfg(target_os = "linux")]
+#[test]
+fn commands_that_are_stopped_say_so_and_leave_no_file() {
+    let folder = folder();
+    let duck = data("duck.obj");
+    let duck = duck.display();
+    output(
+        volmap(&folder).args(["bake", "-q", "-o", "small.h5", "--resolution", "12"]).arg(data("duck.obj")),
+    );
+    let commands = [
+        format!("bake {duck} -o stopped.h5 --resolution 400 --max-memory 64G --quadrature gl100"),
+        format!("bake {duck} -o stopped.h5 --tolerance 0.1% --support-radius 0.04 --max-memory 64G"),
+        format!("report small.h5 --mesh {duck} --points 100000 --gl100-mesh-points 5000 --output stopped"),
+        "slice small.h5 --plane z=0 --pixels 4096 -o stopped.png".to_owned(),
+        "export small.h5 -o stopped.ply --resolution 1500".to_owned(),
+        "reproduce duck".to_owned(),
+    ];
+    for line in commands {
+        let mut process = Process::new(env!("CARGO_BIN_EXE_volmap"));
+        process.args(line.split(' ')).current_dir(folder.path());
+        let child = process.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        while !catches_interrupts(child.id()) {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        std::thread::sleep(Duration::from_millis(50));
+        let interrupt = Process::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+        assert!(interrupt.success(), "{line}");
+        let done = child.wait_with_output().unwrap();
+        let told = String::from_utf8_lossy(&done.stderr);
+        assert_eq!(done.status.code(), Some(130), "{line}: {told}");
+        assert!(told.contains("stopped; nothing was written"), "{line}: {told}");
+        assert_eq!(names(&folder), ["small.h5"], "{line}");
+    }
+}
+
+/// Whether a process has a handler for Ctrl-C (signal 2).
+#[cfg(target_os = "linux")]
+fn catches_interrupts(process: u32) -> bool {
+    let status = fs::read_to_string(format!("/proc/{process}/status")).unwrap();
+    let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:")).unwrap();
+    u64::from_str_radix(caught.trim(), 16).unwrap() >> 1 & 1 == 1
+}
+
 /// A cube of 8 m with its lowest x at the given coordinate.
 fn cube_at(x: f64) -> String {
     let corner = |i: u32| format!("v {} {} {}\n", x + f64::from(8 * (i & 1)), 8 * (i >> 1 & 1), 8 * (i >> 2));

@@ -13,6 +13,7 @@ use volmap_bake::density_map::{DensitySettings, compute_density};
 use volmap_bake::maps::compute_maps;
 use volmap_bake::plan::{Extent, GridChoice, Settings, plan};
 use volmap_bake::volume_map::quadrature::Rule;
+use volmap_bake::watch::Watch;
 use volmap_runtime::KernelKind;
 use volmap_runtime::layout::serendipity::shape_and_gradient;
 use volmap_runtime::layout::{Cell, CellIndex};
@@ -60,7 +61,7 @@ fn costs() {
     let mut runs: Vec<Vec<Costs>> = vec![Vec::new(); RESOLUTIONS.len()];
     for _ in 0..3 {
         for (resolution, own) in RESOLUTIONS.iter().zip(&mut runs) {
-            own.push(measure(&unit_cube(), &paper_settings(*resolution)).expect("maps"));
+            own.push(measure(&unit_cube(), &paper_settings(*resolution), &Watch::default()).expect("maps"));
         }
     }
     let median = |own: &[Costs], of: fn(&Costs) -> Cost| {
@@ -114,8 +115,9 @@ fn jump(resolution: u32, rule: Rule) -> f64 {
         let q = x.abs() - half;
         q.max(DVec3::ZERO).length() + q.max_element().min(0.0)
     };
-    let mut maps = compute_maps(&plan, Rule::Chord(4), &cube, &mut |_| ()).expect("maps");
-    maps.density = Some(compute_density(&plan, &density, &cube, &maps, &mut |_| ()).expect("a density"));
+    let mut maps = compute_maps(&plan, Rule::Chord(4), &cube, &Watch::default()).expect("maps");
+    maps.density =
+        Some(compute_density(&plan, &density, &cube, &maps, &Watch::default()).expect("a density"));
     let cells = CellIndex::new(plan.grid.resolution, &maps.cells.band, &maps.cells.solid, &maps.nodes);
     let values = maps.density.expect("a density");
     let slope = |z: f64| {

@@ -1,17 +1,19 @@
 //! Quadrature rules on shapes with a closed form of their distance: error against a converged rule, and cost of a map.
 //!
-//! `cargo bench -p volmap-baker --bench rules`
+//! `cargo bench -p volmap-bake --bench rules`
 
 mod shapes;
 
 use glam::DVec3;
 use shapes::{SHAPES, points};
 use std::f64::consts::PI;
+use std::sync::{Arc, Mutex};
 use std::time::Instant;
 use volmap_bake::maps::compute_maps;
 use volmap_bake::plan::{Extent, GridChoice, Settings, plan};
 use volmap_bake::volume_map::extension::extension;
 use volmap_bake::volume_map::quadrature::{Point, Rule};
+use volmap_bake::watch::Watch;
 
 fn volume(phi: fn(DVec3) -> f64, rule: &[Point], x: DVec3) -> f64 {
     rule.iter().map(|p| p.weight * extension(phi(x + p.position), 1.0)).sum()
@@ -33,9 +35,13 @@ fn cost(rule: Rule) -> f64 {
     let settings = Settings { support_radius: Some(0.1), grid, rule, ..Settings::default() };
     let plan = plan(&extent, &settings).expect("a plan");
     let run = || {
-        let mut start = Instant::now();
-        let maps = compute_maps(&plan, rule, &phi, &mut |_| start = Instant::now()).expect("maps");
-        1e9 * start.elapsed().as_secs_f64() / maps.nodes.count() as f64
+        // The volume is the last step.
+        let begun = Arc::new(Mutex::new(Instant::now()));
+        let last = begun.clone();
+        let watch = Watch::new(move |_| *last.lock().expect("one thread") = Instant::now());
+        let maps = compute_maps(&plan, rule, &phi, &watch).expect("maps");
+        let seconds = begun.lock().expect("one thread").elapsed().as_secs_f64();
+        1e9 * seconds / maps.nodes.count() as f64
     };
     let mut times: Vec<f64> = (0..7).map(|_| run()).collect();
     times.sort_by(f64::total_cmp);

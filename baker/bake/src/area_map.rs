@@ -14,12 +14,15 @@
 pub mod disc;
 pub mod outline;
 
-use crate::bake::stored;
 use crate::density_map::oracle::extension as gamma;
 use crate::error::Error;
-use crate::plan::{self, Extent, GridChoice, Precision};
+use crate::plan::{self, Extent};
 use crate::rows::NodeRow;
+use crate::settings::{self, GridChoice, Precision};
+use crate::stage::Stage;
+use crate::storage::stored;
 use crate::volume_map::extension::extension;
+use crate::watch::{Cancelled, Watch, Work};
 use disc::{DiscPoint, DiscRule};
 use glam::{DVec2, DVec3, UVec3};
 use rayon::prelude::*;
@@ -127,26 +130,29 @@ const MAX_CELLS: u64 = 1 << 24;
 /// inverted and moved by the thickness; what the file says of bake and source is left empty.
 ///
 /// # Errors
-/// Settings that contradict each other or the surface.
+/// Settings that contradict each other or the surface; cancelled.
 pub fn bake(
     bounds: [DVec2; 2],
     phi: &(impl Fn(DVec2) -> f64 + Sync),
     settings: &AreaSettings,
+    watch: &Watch,
 ) -> Result<Asset, Error> {
     let (grid, radius) = grid(bounds, settings)?;
-    let field = distance_field(&grid, radius, phi)?;
-    let [band_cells, solid_cells] = cells_within(&grid, 2.0 * radius, phi);
+    let field = distance_field(&grid, radius, phi, watch)?;
+    let work = watch.begin(Stage::Band.step(), grid.resolution.y.into())?;
+    let [band_cells, solid_cells] = cells_within(&grid, 2.0 * radius, phi, &work)?;
     let places = places(&grid, &numbered(&grid, &band_cells)?);
-    let distance = places.par_iter().map(|&x| phi(x)).collect();
-    let area = |value: f64| extension(value, 1.0 / radius);
-    let area = integrals(&field, &places, &settings.rule.points(), radius, area);
+    let distance = distances(&places, phi, &watch.begin(Stage::Distance.step(), places.len() as u64)?)?;
+    // Eq. 12.
+    let work = watch.begin(Stage::Volume.step(), places.len() as u64)?;
+    let disc = Disc { field: &field, points: &settings.rule.points(), radius };
+    let area = disc.integrals(&places, |value| extension(value, 1.0 / radius), &work)?;
     let area = area.into_iter().map(|sum| radius * radius * sum).collect();
     let disc_area = settings.rule.disc_area(radius);
-    let density = settings.density.map(|density| {
-        let length = density.extension * radius;
-        let values = integrals(&field, &places, &density.points(), radius, |value| gamma(value, length));
-        Ok::<_, Error>(density.field(radius, stored(values, 1.0, settings.precision)?.0))
-    });
+    let density = match settings.density {
+        Some(density) => Some(density_field(&field, &places, density, settings, watch)?),
+        None => None,
+    };
     Ok(Asset {
         dimension: Dimension::Two,
         grid: grid.into(),
@@ -162,17 +168,34 @@ pub fn bake(
         solid_cells,
         signed_distance: stored(distance, radius, settings.precision)?.0,
         volume: stored(area, disc_area, settings.precision)?.0,
-        density: density.transpose()?,
+        density,
         bake: Attributes::new(),
         source: Attributes::new(),
         diagnosis: Attributes::new(),
     })
 }
 
+/// Eq. 9.
+fn density_field(
+    field: &VolumeMap,
+    places: &[DVec2],
+    density: AreaDensity,
+    settings: &AreaSettings,
+    watch: &Watch,
+) -> Result<DensityField, Error> {
+    let radius = field.support_radius();
+    let length = density.extension * radius;
+    let work = watch.begin(Stage::Density.step(), places.len() as u64)?;
+    let disc = Disc { field, points: &density.points(), radius };
+    let values = disc.integrals(places, |value| gamma(value, length), &work)?;
+    Ok(density.field(radius, stored(values, 1.0, settings.precision)?.0))
+}
+
 /// The grid of the map, and the support radius.
 fn grid(bounds: [DVec2; 2], settings: &AreaSettings) -> Result<(Grid, f64), Error> {
     let [min, max] = bounds.map(|corner| corner.extend(0.0));
-    let in_space = plan::Settings { support_radius: settings.support_radius, ..plan::Settings::default() };
+    let in_space =
+        settings::Settings { support_radius: settings.support_radius, ..settings::Settings::default() };
     let radius = plan::support_radius(&Extent { min, max, area: 0.0 }, &in_space)?;
     let reach = 2.0 * radius + settings.thickness.abs() + settings.padding;
     if !(reach.is_finite() && settings.padding >= 0.0) {
@@ -228,6 +251,7 @@ fn distance_field(
     grid: &Grid,
     radius: f64,
     phi: &(impl Fn(DVec2) -> f64 + Sync),
+    watch: &Watch,
 ) -> Result<VolumeMap, Error> {
     let size = grid.cell_size.truncate();
     let margin = ((radius / size).ceil() + 1.0).as_uvec2();
@@ -243,9 +267,10 @@ fn distance_field(
             "the cells are too small for the support radius; take larger ones",
         ));
     }
-    let [band_cells, solid_cells] = cells_within(&grown, 3.0 * radius + 1.5 * size.length(), phi);
+    let work = watch.begin(Stage::Band.step(), grown.resolution.y.into())?;
+    let [band_cells, solid_cells] = cells_within(&grown, 3.0 * radius + 1.5 * size.length(), phi, &work)?;
     let places = places(&grown, &numbered(&grown, &band_cells)?);
-    let distance: Vec<f64> = places.par_iter().map(|&x| phi(x)).collect();
+    let distance = distances(&places, phi, &watch.begin(Stage::Distance.step(), places.len() as u64)?)?;
     Ok(VolumeMap::from_asset(&Asset {
         dimension: Dimension::Two,
         grid: grown.into(),
@@ -263,11 +288,31 @@ fn distance_field(
     })?)
 }
 
-/// The cells with a point of |Phi| <= width (and some just beyond), and those deeper in the solid.
-fn cells_within(grid: &Grid, width: f64, phi: &(impl Fn(DVec2) -> f64 + Sync)) -> [Vec<CellRun>; 2] {
+/// Phi at the places; each counts as work.
+fn distances(
+    places: &[DVec2],
+    phi: &(impl Fn(DVec2) -> f64 + Sync),
+    work: &Work,
+) -> Result<Vec<f64>, Cancelled> {
+    let at = |&place: &DVec2| {
+        work.check()?;
+        work.add(1);
+        Ok(phi(place))
+    };
+    places.par_iter().map(at).collect()
+}
+
+/// The cells with a point of |Phi| <= width (and some just beyond), and those deeper in the solid. Rows count as work.
+fn cells_within(
+    grid: &Grid,
+    width: f64,
+    phi: &(impl Fn(DVec2) -> f64 + Sync),
+    work: &Work,
+) -> Result<[Vec<CellRun>; 2], Cancelled> {
     let size = grid.cell_size.truncate();
     let reach = width + 0.5 * size.length();
     let row = |j: u32| {
+        work.check()?;
         let mut runs = [Vec::<CellRun>::new(), Vec::new()];
         for i in 0..grid.resolution.x {
             let center = grid.origin.truncate() + size * (DVec2::new(i.into(), j.into()) + 0.5);
@@ -282,10 +327,11 @@ fn cells_within(grid: &Grid, width: f64, phi: &(impl Fn(DVec2) -> f64 + Sync)) -
                 None => kind.push(CellRun { i, j, k: 0, len: 1 }),
             }
         }
-        runs
+        work.add(1);
+        Ok(runs)
     };
-    let rows: Vec<_> = (0..grid.resolution.y).into_par_iter().map(row).collect();
-    [0, 1].map(|kind| rows.iter().flat_map(|row| row[kind].iter().copied()).collect())
+    let rows: Vec<_> = (0..grid.resolution.y).into_par_iter().map(row).collect::<Result<_, Cancelled>>()?;
+    Ok([0, 1].map(|kind| rows.iter().flat_map(|row: &[Vec<_>; 2]| row[kind].iter().copied()).collect()))
 }
 
 fn numbered(grid: &Grid, band: &[CellRun]) -> Result<Nodes, Error> {
@@ -308,19 +354,29 @@ fn places(grid: &Grid, nodes: &Nodes) -> Vec<DVec2> {
     all.map(DVec3::truncate).collect()
 }
 
-/// Sums of the weights times `of` Phi over the discs around these places.
-fn integrals(
-    field: &VolumeMap,
-    places: &[DVec2],
-    rule: &[DiscPoint],
+/// A rule on discs of some radius (metres) in a field.
+struct Disc<'a> {
+    field: &'a VolumeMap,
+    points: &'a [DiscPoint],
     radius: f64,
-    of: impl Fn(f64) -> f64 + Sync,
-) -> Vec<f64> {
-    let at = |(points, values): &mut (Vec<DVec3>, Vec<Values>), &place: &DVec2| {
-        points.clear();
-        points.extend(rule.iter().map(|p| (place + radius * p.position).extend(0.0)));
-        field.sample_batch(points, values);
-        rule.iter().zip(values).map(|(p, value)| p.weight * of(value.distance)).sum()
-    };
-    places.par_iter().map_init(Default::default, at).collect()
+}
+
+impl Disc<'_> {
+    /// Sums of the weights times `of` Phi over the discs around these places, each of which counts as work.
+    fn integrals(
+        &self,
+        places: &[DVec2],
+        of: impl Fn(f64) -> f64 + Sync,
+        work: &Work,
+    ) -> Result<Vec<f64>, Cancelled> {
+        let at = |(points, values): &mut (Vec<DVec3>, Vec<Values>), &place: &DVec2| {
+            work.check()?;
+            points.clear();
+            points.extend(self.points.iter().map(|p| (place + self.radius * p.position).extend(0.0)));
+            self.field.sample_batch(points, values);
+            work.add(1);
+            Ok(self.points.iter().zip(values).map(|(p, value)| p.weight * of(value.distance)).sum())
+        };
+        places.par_iter().map_init(Default::default, at).collect()
+    }
 }

@@ -16,102 +16,42 @@
 mod cells;
 pub mod cost;
 pub mod oracle;
+pub mod settings;
 
 use crate::error::Error;
-use crate::maps::{Maps, Stage, numbered};
+use crate::maps::{Maps, numbered};
 use crate::plan::{self, Plan};
 use crate::sdf::band::find_band;
 use crate::sdf::field::{DistanceField, values};
 use crate::sdf::{KnownDistance, SignedDistance};
+use crate::stage::Stage;
 use crate::volume_map::lattice::LatticeRule;
-use crate::volume_map::quadrature::{Point, Rule};
-use crate::work::Work;
+use crate::watch::Watch;
 use cells::{copy, without};
 use glam::{DVec3, UVec3};
-use volmap_formats::asset::{Array, DensityField, Exterior};
+pub use settings::{DensitySettings, KERNELS, parse_kernel};
+use volmap_formats::asset::Exterior;
+use volmap_runtime::Grid;
 use volmap_runtime::layout::Nodes;
-use volmap_runtime::{Grid, KernelKind};
 
-/// The SPH kernels W that a density map can be baked for: those of the file's format.
-pub const KERNELS: [KernelKind; 2] = [KernelKind::CubicSpline, KernelKind::WendlandC2];
-
-/// One of [`KERNELS`] by its name, or `cubic` or `wendland` for short.
+/// Boundary density over rest density at the nodes of the maps, in three steps: cells, distance, density.
 ///
 /// # Errors
-/// Another name; the message has those that can be taken.
-pub fn parse_kernel(text: &str) -> Result<KernelKind, String> {
-    let known = text.parse().ok().filter(|kernel| KERNELS.contains(kernel));
-    known.ok_or_else(|| {
-        format!("`{text}` is no kernel of density maps; take {}", KERNELS.map(KernelKind::name).join(" or "))
-    })
-}
-
-/// What a density map depends on beside the distance.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DensitySettings {
-    /// The SPH kernel W, whose support radius is the map's.
-    pub kernel: KernelKind,
-    /// How the density is integrated. W vanishes at the edge of the ball, so the Gauss-Legendre rules, whose error
-    /// comes from there, are better here than those made for the ball; and a gradient takes an exact rule.
-    pub rule: Rule,
-    /// Where gamma becomes 0, in support radii: 1 in Eq. 11; SPlisHSPlasH takes 1/5.
-    pub extension: f64,
-}
-
-impl Default for DensitySettings {
-    fn default() -> Self {
-        DensitySettings { kernel: KernelKind::default(), rule: Rule::GaussLegendre(50), extension: 1.0 }
-    }
-}
-
-impl DensitySettings {
-    /// The rule's points in the unit ball, with W of unit support in their weights.
-    pub fn points(&self) -> Vec<Point> {
-        let weighted =
-            |p: Point| Point { weight: p.weight * self.kernel.unit_value(p.position.length()), ..p };
-        self.rule.points().into_iter().map(weighted).collect()
-    }
-
-    /// The largest density, over rest density, at points up to `depth` inside the solid (metres): that of a half space.
-    pub fn largest(&self, depth: f64, support_radius: f64) -> f64 {
-        1.0 + depth / (self.extension * support_radius)
-    }
-
-    /// What is stored of a density.
-    pub fn field(&self, support_radius: f64, values: Array) -> DensityField {
-        let points = self.points();
-        DensityField {
-            kernel: self.kernel.to_string(),
-            extension_length: self.extension * support_radius,
-            quadrature: self.rule.to_string(),
-            degree: self.rule.degree(),
-            points: points.len() as u64,
-            kernel_integral: points.iter().map(|p| p.weight).sum(),
-            values,
-        }
-    }
-}
-
-/// Boundary density over rest density at the nodes of the maps. `enter` is called at the beginning of each of three
-/// stages: cells, distance, density.
-///
-/// # Errors
-/// More cells or nodes than can be numbered.
+/// More cells or nodes than can be numbered; cancelled.
 pub fn compute_density(
     plan: &Plan,
     settings: &DensitySettings,
     phi: &impl SignedDistance,
     maps: &Maps,
-    enter: &mut dyn FnMut(Stage),
+    watch: &Watch,
 ) -> Result<Vec<f64>, Error> {
     let is_cut = plan.margin != UVec3::ZERO || plan.exterior == Exterior::Solid;
     let margin = if is_cut { plan::margin(&plan.grid, plan.support_radius)? } else { UVec3::ZERO };
     let length = settings.extension * plan.support_radius;
-    let field = deep_field(plan, margin, length, &Known { phi, maps }, enter)?;
-    let work = Work::new(maps.nodes.count() as u64);
-    enter(Stage::Density(work.clone()));
+    let field = deep_field(plan, margin, length, &Known { phi, maps }, watch)?;
+    let work = watch.begin(Stage::Density.step(), maps.nodes.count() as u64)?;
     let rule = LatticeRule::for_density(&settings.points(), plan.support_radius, plan.grid.cell_size, length);
-    Ok(rule.integrals(&field, &maps.nodes, margin, &work))
+    Ok(rule.integrals(&field, &maps.nodes, margin, &work)?)
 }
 
 /// A distance, and what is known of it.
@@ -126,24 +66,22 @@ fn deep_field(
     margin: UVec3,
     length: f64,
     known: &Known<impl SignedDistance>,
-    enter: &mut dyn FnMut(Stage),
+    watch: &Watch,
 ) -> Result<DistanceField, Error> {
     let grid = plan.grown(margin);
     let deep = deepest(&grid, plan.support_radius);
-    let work = Work::new(grid.resolution.as_u64vec3().element_product());
-    enter(Stage::Density(work.clone()));
+    let work = watch.begin(Stage::Density.step(), grid.resolution.as_u64vec3().element_product())?;
     // The band -deep .. length is one around another surface.
     let moved = Moved { phi: known.phi, by: 0.5 * (deep - length) };
-    let cells = find_band(&grid, 0.5 * (deep + length), &moved, &work);
+    let cells = find_band(&grid, 0.5 * (deep + length), &moved, &work)?;
     let nodes = numbered(grid.resolution, &cells)?;
     // On the map's own lattice only the cells beyond its band are new.
     let shared = margin == UVec3::ZERO;
     let new_cells = if shared { without(&cells.band, &known.maps.cells.band) } else { cells.band.clone() };
     let new_nodes = Nodes::new(grid.resolution, &new_cells).unwrap_or_else(|| unreachable!("fewer than all"));
-    let work = Work::new(new_nodes.count() as u64);
-    enter(Stage::Density(work.clone()));
+    let work = watch.begin(Stage::Density.step(), new_nodes.count() as u64)?;
     let mut all = vec![0.0; nodes.count()];
-    copy(&new_nodes, &values(&grid, &new_nodes, known.phi, &work), &nodes, &mut all);
+    copy(&new_nodes, &values(&grid, &new_nodes, known.phi, &work)?, &nodes, &mut all);
     if shared {
         copy(&known.maps.nodes, &known.maps.distance, &nodes, &mut all);
     }

@@ -4,7 +4,9 @@ use crate::error::Error;
 use glam::DVec3;
 use serde::Serialize;
 use std::path::Path;
-use volmap_formats::mesh::{self, CleanReport, CleanSettings, Placement, TriangleMesh};
+use volmap_formats::mesh::{
+    self, CleanReport, CleanSettings, Faces, MeshError, Placement, RawMesh, Skipped, TriangleMesh,
+};
 
 /// How a mesh file becomes a mesh.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -68,12 +70,48 @@ pub fn from_bytes(
         format: raw.format.to_string(),
         blake3: hash.to_hex().to_string(),
     };
+    let in_file = |error| Error::MeshFile { path: path.to_owned(), source: error };
+    cleaned(raw, source, settings).map_err(in_file)
+}
+
+/// The same from arrays: places of the vertices, and triangles by the numbers of their vertices, which run
+/// counterclockwise seen from outside. `name` stands in the asset instead of a file's.
+///
+/// # Errors
+/// A number of a vertex that isn't there, a coordinate that isn't finite, no triangle; a placement that can't be used.
+pub fn from_arrays(
+    name: &str,
+    vertices: &[[f64; 3]],
+    triangles: &[[u32; 3]],
+    settings: &InputSettings,
+) -> Result<Input, Error> {
+    let mut faces = Faces::default();
+    triangles.iter().for_each(|corners| faces.push(corners));
+    let mut hasher = blake3::Hasher::new();
+    vertices.iter().flatten().for_each(|x| _ = hasher.update(&x.to_le_bytes()));
+    triangles.iter().flatten().for_each(|vertex| _ = hasher.update(&vertex.to_le_bytes()));
+    let source =
+        Source { file: name.into(), format: ARRAYS.into(), blake3: hasher.finalize().to_hex().to_string() };
+    let raw = RawMesh {
+        positions: vertices.to_vec(),
+        faces,
+        objects: 0,
+        unit: None,
+        format: ARRAYS,
+        skipped: Skipped::default(),
+    };
+    Ok(cleaned(raw, source, settings)?)
+}
+
+/// The format of a mesh that comes from no file.
+const ARRAYS: &str = "arrays";
+
+fn cleaned(raw: RawMesh, source: Source, settings: &InputSettings) -> Result<Input, MeshError> {
     let unit = settings.unit.or(raw.unit).unwrap_or(1.0);
     let placement = Placement { unit, ..settings.placement };
     let clean_settings = CleanSettings { weld_tolerance: settings.weld_tolerance };
-    let in_file = |error| Error::MeshFile { path: path.to_owned(), source: error };
-    let (mut mesh, cleaning) = mesh::clean(raw, &clean_settings).map_err(in_file)?;
-    placement.apply(&mut mesh).map_err(in_file)?;
+    let (mut mesh, cleaning) = mesh::clean(raw, &clean_settings)?;
+    placement.apply(&mut mesh)?;
     Ok(Input { mesh, source, cleaning, placement, weld_tolerance: settings.weld_tolerance })
 }
 

@@ -5,6 +5,7 @@ pub mod lattice;
 mod tetrahedra;
 
 use crate::error::Error;
+use crate::watch::Watch;
 use lattice::{Lattice, LatticeChoice};
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -42,8 +43,13 @@ impl fmt::Display for Surface {
 /// The surface Phi = `iso` (metres) of a map; by default the points at which the map is asked are at thirds of its cells.
 ///
 /// # Errors
-/// A distance beyond the band, or too many points.
-pub fn iso_surface(map: &VolumeMap, iso: f64, choice: Option<LatticeChoice>) -> Result<Surface, Error> {
+/// A distance beyond the band, or too many points; cancelled.
+pub fn iso_surface(
+    map: &VolumeMap,
+    iso: f64,
+    choice: Option<LatticeChoice>,
+    watch: &Watch,
+) -> Result<Surface, Error> {
     let limit = 2.0 * map.support_radius();
     // Also false for NaN.
     if !(-limit < iso && iso < limit) {
@@ -52,7 +58,8 @@ pub fn iso_surface(map: &VolumeMap, iso: f64, choice: Option<LatticeChoice>) -> 
     }
     let lattice = Lattice::new(map.grid(), choice, STEPS, MAX_POINTS)?;
     let mut crossings = Crossings { lattice: &lattice, edges: Vec::new(), numbers: HashMap::new() };
-    let found = march(map, iso, &mut crossings)?;
+    let found = march(map, iso, &mut crossings, watch)?;
+    watch.check()?;
     Ok(finish(map, iso, &crossings, &found))
 }
 
@@ -86,11 +93,19 @@ fn point_key(lattice: &Lattice, [i, j, k]: [usize; 3]) -> u64 {
 }
 
 /// The triangles, by the numbers of their crossings.
-fn march(map: &VolumeMap, iso: f64, crossings: &mut Crossings) -> Result<Vec<[u32; 3]>, Error> {
+fn march(
+    map: &VolumeMap,
+    iso: f64,
+    crossings: &mut Crossings,
+    watch: &Watch,
+) -> Result<Vec<[u32; 3]>, Error> {
     let [nx, ny, nz] = crossings.lattice.points();
+    let work = watch.begin("marching through the cells", nz as u64)?;
     let mut found = Vec::new();
     let mut lower = inside_plane(map, iso, crossings.lattice, 0);
     for k in 0..nz - 1 {
+        work.check()?;
+        work.add(1);
         let upper = inside_plane(map, iso, crossings.lattice, k + 1);
         for j in 0..ny - 1 {
             for i in 0..nx - 1 {

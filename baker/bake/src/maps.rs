@@ -6,9 +6,10 @@ use crate::plan::Plan;
 use crate::sdf::SignedDistance;
 use crate::sdf::band::{BandCells, cropped, find_band};
 use crate::sdf::field::{DistanceField, values};
+use crate::stage::Stage;
 use crate::volume_map::lattice::LatticeRule;
 use crate::volume_map::quadrature::Rule;
-use crate::work::Work;
+use crate::watch::{Watch, Work};
 use glam::UVec3;
 use volmap_runtime::layout::Nodes;
 
@@ -27,73 +28,35 @@ pub struct Maps {
     pub density: Option<Vec<f64>>,
 }
 
-/// A stage of the bake, for progress and timing.
-#[derive(Clone, Debug)]
-pub enum Stage {
-    /// Integrating the volume on the exact distance, for a tolerance.
-    Reference(Work),
-    /// Finding the cells of the band, among so many.
-    Band(Work),
-    /// Sampling Phi at the nodes.
-    Distance(Work),
-    /// Integrating V at the nodes.
-    Volume(Work),
-    /// The density: finding and sampling what it needs beyond the band, and integrating it.
-    Density(Work),
-}
-
-impl Stage {
-    /// Name for a list of times.
-    pub fn name(&self) -> &'static str {
-        match self {
-            Stage::Reference(_) => "reference",
-            Stage::Band(_) => "band",
-            Stage::Distance(_) => "distance",
-            Stage::Volume(_) => "volume",
-            Stage::Density(_) => "density",
-        }
-    }
-}
-
-/// Computes both fields of the signed distance `phi` (metres, 1-Lipschitz, negative inside the solid). `enter` is
-/// called at the beginning of each stage.
+/// Computes both fields of the signed distance `phi` (metres, 1-Lipschitz, negative inside the solid).
 ///
 /// # Errors
-/// A band that is empty or too large to be numbered.
+/// A band that is empty or too large to be numbered; cancelled.
 pub fn compute_maps(
     plan: &Plan,
     rule: Rule,
     phi: &impl SignedDistance,
-    enter: &mut dyn FnMut(Stage),
+    watch: &Watch,
 ) -> Result<Maps, Error> {
+    // Step 3, sparsity: the cells with a point of |Phi| <= 2 r.
     let distance_grid = plan.distance_grid();
-    let work = Work::new(distance_grid.resolution.as_u64vec3().element_product());
-    enter(Stage::Band(work.clone()));
-    let found = find_band(&distance_grid, plan.band_width, phi, &work);
+    let all_cells = distance_grid.resolution.as_u64vec3().element_product();
+    let work = watch.begin(Stage::Band.step(), all_cells)?;
+    let found = find_band(&distance_grid, plan.band_width, phi, &work)?;
     let found_nodes = numbered(distance_grid.resolution, &found)?;
 
-    let work = Work::new(found_nodes.count() as u64);
-    enter(Stage::Distance(work.clone()));
-    let field = DistanceField::new(
-        distance_grid,
-        &found,
-        &found_nodes,
-        plan.exterior,
-        values(&distance_grid, &found_nodes, phi, &work),
-    );
-    let (cells, nodes) = match plan.margin == UVec3::ZERO {
-        true => (found, found_nodes),
-        false => cropped_cells(plan, &found)?,
-    };
+    // Step 1: Phi at the nodes.
+    let work = watch.begin(Stage::Distance.step(), found_nodes.count() as u64)?;
+    let distance = values(&distance_grid, &found_nodes, phi, &work)?;
+    let field = DistanceField::new(distance_grid, &found, &found_nodes, plan.exterior, distance);
+    let is_cut = plan.margin != UVec3::ZERO;
+    let (cells, nodes) = if is_cut { cropped_cells(plan, &found)? } else { (found, found_nodes) };
 
-    let work = Work::new(nodes.count() as u64);
-    enter(Stage::Volume(work.clone()));
+    // Step 2: V at the nodes, Eq. 12 on the interpolated Phi.
+    let work = watch.begin(Stage::Volume.step(), nodes.count() as u64)?;
     let lattice = LatticeRule::new(&rule.points(), plan.support_radius, plan.grid.cell_size);
-    let volume = lattice.integrals(&field, &nodes, plan.margin, &work);
-    let distance = match plan.margin == UVec3::ZERO {
-        true => field.values,
-        false => values(&plan.grid, &nodes, phi, &Work::new(0)),
-    };
+    let volume = lattice.integrals(&field, &nodes, plan.margin, &work)?;
+    let distance = if is_cut { values(&plan.grid, &nodes, phi, &Work::default())? } else { field.values };
     Ok(Maps { cells, nodes, distance, volume, density: None })
 }
 

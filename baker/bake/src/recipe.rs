@@ -1,8 +1,8 @@
 //! All settings that an asset's bytes follow from.
 
 use crate::input::InputSettings;
-use crate::plan::Settings;
-use crate::sdf::SignMethod;
+use crate::sdf::sign::SignMethod;
+use crate::settings::Settings;
 use volmap_formats::asset::Compression;
 
 /// What an asset depends on beside the mesh's file. Made by [`crate::parameters::Parameters::recipe`], or by hand.

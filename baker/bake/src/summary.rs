@@ -1,11 +1,12 @@
 //! The summary of a bake: what a person wants to know of it, and how it is printed.
 
-use crate::density_map::DensitySettings;
+use crate::density_map::settings::DensitySettings;
 use crate::input::Source;
+use crate::maps::Maps;
 use crate::mesh::{Diagnosis, OrientationRepair};
 use crate::plan::Plan;
-use crate::sdf::SignComparison;
 use crate::sdf::sign::SignChoice;
+use crate::sdf::sign_comparison::SignComparison;
 use crate::tolerance::Found;
 use glam::DVec3;
 use std::fmt::{self, Display, Formatter};
@@ -62,6 +63,17 @@ pub struct CellCounts {
     pub solid: u64,
 }
 
+impl CellCounts {
+    /// Of maps.
+    pub(crate) fn of(plan: &Plan, maps: &Maps) -> CellCounts {
+        CellCounts {
+            grid: plan.grid.resolution.as_u64vec3().element_product(),
+            band: maps.cells.band_count(),
+            solid: maps.cells.solid.iter().map(|run| u64::from(run.len)).sum(),
+        }
+    }
+}
+
 /// How far the stored fields may be, and are, from what was computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rounding {
@@ -77,63 +89,60 @@ pub struct Rounding {
 
 impl Display for Summary {
     fn fmt(&self, f: &mut Formatter) -> fmt::Result {
-        let (found, [min, max]) = (&self.diagnosis, self.bounds);
-        writeln!(f, "mesh       {}: {}", self.source.file, self.faces())?;
-        writeln!(f, "           {}", self.state())?;
-        let corner = |corner: DVec3| triple(corner.to_array());
-        writeln!(f, "           box {} to {} m, area {} m^2", corner(min), corner(max), digits(found.area))?;
-        if let Some(placed) = self.placed() {
-            writeln!(f, "placed     {placed}")?;
-        }
-        self.holes(f)?;
-        writeln!(f, "sign       {}", self.sign.reason)?;
-        let grid = self.plan.grid;
-        let n = grid.resolution;
-        writeln!(
-            f,
-            "grid       {} x {} x {} cells of {} m, support radius {} m",
-            n.x,
-            n.y,
-            n.z,
-            edges(grid.cell_size.to_array()),
-            self.plan.support_radius
-        )?;
-        let CellCounts { grid: all, band, .. } = self.cells;
-        writeln!(
-            f,
-            "cells      {} of {} kept ({})",
-            thousands(band),
-            thousands(all),
-            percent(band as f64 / all as f64)
-        )?;
-        if let Some(found) = &self.tolerance {
-            writeln!(f, "tolerance  {}", found_cells(found))?;
-        }
-        let [dense, sparse] = self.field_bytes;
-        writeln!(f, "memory     {} dense, {} sparse", bytes(dense), bytes(sparse))?;
-        if let Some(density) = &self.density {
-            let (kernel, rule) = (density.kernel, density.rule);
-            writeln!(f, "density    over rest density, for the kernel {kernel}, by {rule}")?;
-        }
-        if let Some(rounding) = self.rounding {
-            let [allowed, distance, volume] =
-                [rounding.allowed, rounding.distance, rounding.volume].map(percent);
-            writeln!(
-                f,
-                "rounding   16 bits, at the nodes at most {allowed} of r and of the ball; the worst is {distance} and \
-                 {volume}"
-            )?;
-            if self.density.is_some() {
-                let worst = percent(rounding.density);
-                writeln!(f, "           and at most {allowed} of rest density; the worst is {worst}")?;
-            }
-        }
+        self.fmt_mesh(f)?;
+        self.fmt_grid(f)?;
+        self.fmt_fields(f)?;
         let stages: Vec<String> =
             self.seconds.iter().map(|(name, seconds)| format!("{name} {}", number(*seconds))).collect();
         let total: f64 = self.seconds.iter().map(|(_, seconds)| seconds).sum();
         write!(f, "time       {} s: {}", number(total), stages.join(", "))?;
-        for warning in &self.warnings {
-            write!(f, "\nwarning    {warning}")?;
+        self.warnings.iter().try_for_each(|warning| write!(f, "\nwarning    {warning}"))
+    }
+}
+
+impl Summary {
+    fn fmt_mesh(&self, f: &mut Formatter) -> fmt::Result {
+        let [min, max] = self.bounds.map(|corner| triple(corner.to_array()));
+        writeln!(f, "mesh       {}: {}", self.source.file, self.faces())?;
+        writeln!(f, "           {}", self.state())?;
+        writeln!(f, "           box {min} to {max} m, area {} m^2", digits(self.diagnosis.area))?;
+        if let Some(placed) = self.placed() {
+            writeln!(f, "placed     {placed}")?;
+        }
+        self.holes(f)?;
+        writeln!(f, "sign       {}", self.sign.reason)
+    }
+
+    fn fmt_grid(&self, f: &mut Formatter) -> fmt::Result {
+        let grid = self.plan.grid;
+        let [x, y, z] = grid.resolution.to_array();
+        let (size, radius) = (edges(grid.cell_size.to_array()), self.plan.support_radius);
+        writeln!(f, "grid       {x} x {y} x {z} cells of {size} m, support radius {radius} m")?;
+        let CellCounts { grid: all, band, .. } = self.cells;
+        let kept = percent(band as f64 / all as f64);
+        writeln!(f, "cells      {} of {} kept ({kept})", thousands(band), thousands(all))?;
+        if let Some(found) = &self.tolerance {
+            writeln!(f, "tolerance  {}", found_cells(found))?;
+        }
+        let [dense, sparse] = self.field_bytes;
+        writeln!(f, "memory     {} dense, {} sparse", bytes(dense), bytes(sparse))
+    }
+
+    fn fmt_fields(&self, f: &mut Formatter) -> fmt::Result {
+        if let Some(density) = &self.density {
+            let (kernel, rule) = (density.kernel, density.rule);
+            writeln!(f, "density    over rest density, for the kernel {kernel}, by {rule}")?;
+        }
+        let Some(rounding) = self.rounding else { return Ok(()) };
+        let [allowed, distance, volume] = [rounding.allowed, rounding.distance, rounding.volume].map(percent);
+        writeln!(
+            f,
+            "rounding   16 bits, at the nodes at most {allowed} of r and of the ball; the worst is {distance} and \
+             {volume}"
+        )?;
+        if self.density.is_some() {
+            let worst = percent(rounding.density);
+            writeln!(f, "           and at most {allowed} of rest density; the worst is {worst}")?;
         }
         Ok(())
     }

@@ -5,13 +5,15 @@
 //! the error is that of the whole map: of Phi and V on the elements, and of the rule.
 
 use crate::error::Error;
-use crate::maps::{Maps, Stage, compute_maps};
-use crate::plan::{Extent, GridChoice, Plan, Precision, Settings, plan, support_radius};
+use crate::maps::{Maps, compute_maps};
+use crate::plan::{Extent, Plan, plan, support_radius};
 use crate::random::Random;
 use crate::sdf::{Neighbours, SignedDistance};
+use crate::settings::{GridChoice, Precision, Settings};
+use crate::stage::Stage;
 use crate::volume_map::oracle;
 use crate::volume_map::quadrature::{Point, Rule, along_curve};
-use crate::work::Work;
+use crate::watch::{Cancelled, Watch, Work};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -72,7 +74,7 @@ pub struct Problem<'a, D> {
     pub phi: &'a D,
 }
 
-/// Finds the cells, and the maps with them. `enter` is called at the beginning of each stage of each try.
+/// Finds the cells, and the maps with them.
 ///
 /// # Errors
 /// A tolerance that the rule or the memory can't reach; otherwise as [`plan`] and [`compute_maps`].
@@ -80,61 +82,97 @@ pub fn search<D: SignedDistance>(
     problem: &Problem<D>,
     settings: &Settings,
     tolerance: f64,
-    enter: &mut dyn FnMut(Stage),
+    watch: &Watch,
 ) -> Result<(Plan, Maps, Found), Error> {
-    if let Precision::Rounded(part) = settings.precision
-        && part >= tolerance
-    {
-        let reason =
-            format!("rounding by {} of the ball leaves nothing of `tolerance`; round less", percent(part));
-        return Err(Error::setting("max_rounding", reason));
-    }
+    check_rounding(settings, tolerance)?;
     let radius = support_radius(problem.extent, settings)?;
-    let with_cells = |edge: f64| {
-        let settings = Settings { grid: GridChoice::CellSize(edge), ..settings.clone() };
-        plan(problem.extent, &settings)
-    };
-    let coarse = with_cells(COARSEST * radius)?;
-    let work = Work::new(2 * POINTS as u64);
-    enter(Stage::Reference(work.clone()));
-    let reference = Reference::new(problem, settings, (&coarse, tolerance), &work)?;
+    let coarse = with_cells(problem, settings, COARSEST * radius)?;
+    let work = watch.begin(Stage::Reference.step(), 2 * POINTS as u64)?;
+    let reference = Reference::new(problem, settings, &coarse, tolerance, &work)?;
     reference.check_rule(problem.phi, settings.rule, tolerance, &work)?;
-    let mut attempt = |cell_size: f64| -> Result<(Plan, Maps, MeasuredError), Error> {
-        let plan = with_cells(cell_size)?;
-        let maps = compute_maps(&plan, settings.rule, problem.phi, enter)?;
-        let error = reference.error(&plan, &maps, settings)?;
-        Ok((plan, maps, error))
-    };
-    let mut tried = Vec::new();
-    let mut cell_size = COARSEST * radius;
-    let mut best = loop {
-        let found = attempt(cell_size).map_err(|error| out_of_reach(error, tolerance, &tried))?;
-        tried.push((cell_size, found.2.max));
-        if found.2.max <= tolerance {
-            break (cell_size, found);
-        }
-        if let [.., before, _, _, last] = tried[..]
-            && last.1 > STALLED * before.1
-        {
-            return Err(stalled(tolerance, last));
-        }
-        cell_size *= STEP;
-    };
-    // Between the last failure and the first success there may be coarser cells that do.
-    if tried.len() > 1 {
-        let between = best.0 / STEP.sqrt();
-        let found = attempt(between)?;
-        tried.push((between, found.2.max));
-        if found.2.max <= tolerance {
-            best = (between, found);
-        }
-    }
-    let (cell_size, (plan, maps, error)) = best;
+    let tries = Tries { problem, settings, tolerance, reference: &reference, watch };
+    let (best, tried) = tries.search(coarse)?;
+    let Try { cell_size, plan, maps, error } = best;
     Ok((plan, maps, Found { tolerance, cell_size, error, tried, reference: reference.rule }))
 }
 
+fn check_rounding(settings: &Settings, tolerance: f64) -> Result<(), Error> {
+    match settings.precision {
+        Precision::Rounded(part) if part >= tolerance => {
+            let reason = format!(
+                "rounding by {} of the ball leaves nothing of `tolerance`; round less",
+                percent(part)
+            );
+            Err(Error::setting("max_rounding", reason))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The plan with cubes of this edge, metres.
+fn with_cells<D>(problem: &Problem<D>, settings: &Settings, edge: f64) -> Result<Plan, Error> {
+    let settings = Settings { grid: GridChoice::CellSize(edge), ..settings.clone() };
+    plan(problem.extent, &settings)
+}
+
+/// All that tries share.
+struct Tries<'a, D> {
+    problem: &'a Problem<'a, D>,
+    settings: &'a Settings,
+    tolerance: f64,
+    reference: &'a Reference,
+    watch: &'a Watch,
+}
+
+/// Maps with cells of some edge (metres), and their error.
+struct Try {
+    cell_size: f64,
+    plan: Plan,
+    maps: Maps,
+    error: MeasuredError,
+}
+
+impl<D: SignedDistance> Tries<'_, D> {
+    /// From the coarsest cells down to the first that do, and then between the last two. Cells that were tried and
+    /// their largest errors come too.
+    fn search(&self, coarse: Plan) -> Result<(Try, Vec<(f64, f64)>), Error> {
+        let mut tried = Vec::new();
+        let mut next = Ok(coarse);
+        let best = loop {
+            let found = next.and_then(|plan| self.bake(plan));
+            let found = found.map_err(|error| out_of_reach(error, self.tolerance, &tried))?;
+            tried.push((found.cell_size, found.error.max));
+            if found.error.max <= self.tolerance {
+                break found;
+            }
+            if let [.., before, _, _, last] = tried[..]
+                && last.1 > STALLED * before.1
+            {
+                return Err(stalled(self.tolerance, last.0, last.1));
+            }
+            next = with_cells(self.problem, self.settings, found.cell_size * STEP);
+        };
+        // Between the last failure and the first success there may be coarser cells that do.
+        if tried.len() > 1 {
+            let between = with_cells(self.problem, self.settings, best.cell_size / STEP.sqrt())?;
+            let found = self.bake(between)?;
+            tried.push((found.cell_size, found.error.max));
+            if found.error.max <= self.tolerance {
+                return Ok((found, tried));
+            }
+        }
+        Ok((best, tried))
+    }
+
+    fn bake(&self, plan: Plan) -> Result<Try, Error> {
+        let maps = compute_maps(&plan, self.settings.rule, self.problem.phi, self.watch)?;
+        let error = self.reference.error(&plan, &maps, self.settings)?;
+        Ok(Try { cell_size: plan.grid.cell_size.x, plan, maps, error })
+    }
+}
+
 /// The error doesn't fall as it should.
-fn stalled(tolerance: f64, (cell, max): (f64, f64)) -> Error {
+fn stalled(tolerance: f64, cell: f64, max: f64) -> Error {
     let reason = format!(
         "smaller cells don't bring the error to {}: it stays at {} at cells of {cell:.4} m. Where a mesh is open the sign \
          jumps, which no cell follows: close it; or take a finer `quadrature` or a larger tolerance",
@@ -176,7 +214,8 @@ impl Reference {
     fn new<D: SignedDistance>(
         problem: &Problem<D>,
         settings: &Settings,
-        (plan, tolerance): (&Plan, f64),
+        plan: &Plan,
+        tolerance: f64,
         work: &Work,
     ) -> Result<Reference, Error> {
         let points = fluid_points(problem, settings, plan);
@@ -187,7 +226,7 @@ impl Reference {
         }
         let rule = Rule::Chord(if tolerance >= COARSE_FROM { 12 } else { 20 });
         let radius = plan.support_radius;
-        let volumes = integrals(problem.phi, &along_curve(rule.points()), radius, &points, work);
+        let volumes = integrals(problem.phi, &along_curve(rule.points()), radius, &points, work)?;
         Ok(Reference { rule, radius, points, volumes })
     }
 
@@ -199,7 +238,7 @@ impl Reference {
         tolerance: f64,
         work: &Work,
     ) -> Result<(), Error> {
-        let volumes = integrals(phi, &along_curve(rule.points()), self.radius, &self.points, work);
+        let volumes = integrals(phi, &along_curve(rule.points()), self.radius, &self.points, work)?;
         let error = self.measured(volumes.into_iter());
         if error.max <= tolerance {
             return Ok(());
@@ -250,51 +289,30 @@ impl Reference {
 }
 
 /// Eq. 12 on the exact distance; each point counts as work.
+///
+/// # Errors
+/// [`Cancelled`].
 fn integrals(
     phi: &impl SignedDistance,
     rule: &[Point],
     radius: f64,
     points: &[DVec3],
     work: &Work,
-) -> Vec<f64> {
+) -> Result<Vec<f64>, Cancelled> {
     let integral = |near: &mut Neighbours, x: &DVec3| {
+        work.check()?;
         let volume = oracle::volume_on_exact_distance(phi, rule, radius, *x, near);
         work.add(1);
-        volume
+        Ok(volume)
     };
     points.par_iter().map_init(Neighbours::default, integral).collect()
 }
 
 /// Points with 0 < Phi < 2 r, in any direction from points spread over the surface by area.
 fn fluid_points<D: SignedDistance>(problem: &Problem<D>, settings: &Settings, plan: &Plan) -> Vec<DVec3> {
-    let corners = |triangle: &[u32; 3]| triangle.map(|v| DVec3::from(problem.mesh.vertices[v as usize]));
-    let mut sum = 0.0;
-    let summed: Vec<f64> = problem
-        .mesh
-        .triangles
-        .iter()
-        .map(|triangle| {
-            let [a, b, c] = corners(triangle);
-            sum += (b - a).cross(c - a).length();
-            sum
-        })
-        .collect();
-    let mut random = Random::new(1);
     let reach = plan.band_width + settings.thickness.abs();
-    let mut point = || {
-        let area = random.unit() * sum;
-        let triangle = summed.partition_point(|&s| s <= area).min(summed.len() - 1);
-        let [a, b, c] = corners(&problem.mesh.triangles[triangle]);
-        let (u, v) = (random.unit(), random.unit());
-        let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
-        let cosine = 2.0 * random.unit() - 1.0;
-        let (sin, cos) = (2.0 * PI * random.unit()).sin_cos();
-        let across = (1.0 - cosine * cosine).sqrt();
-        a + (b - a) * u
-            + (c - a) * v
-            + DVec3::new(across * cos, across * sin, cosine) * (reach * random.unit())
-    };
-    let candidates: Vec<DVec3> = (0..TRIES * POINTS).map(|_| point()).collect();
+    let mut surroundings = Surroundings::new(problem.mesh);
+    let candidates: Vec<DVec3> = (0..TRIES * POINTS).map(|_| surroundings.point(reach)).collect();
     // All grids hold the domain that was asked for; they differ in how far they grow beyond it.
     let (low, high) = match settings.domain {
         Some(corners) => {
@@ -307,4 +325,43 @@ fn fluid_points<D: SignedDistance>(problem: &Problem<D>, settings: &Settings, pl
         x.cmpge(low).all() && x.cmple(high).all() && (0.0..plan.band_width).contains(&phi())
     };
     candidates.iter().filter(is_near).take(POINTS).copied().collect()
+}
+
+/// Random points around a surface.
+struct Surroundings<'a> {
+    mesh: &'a TriangleMesh,
+    /// Twice the areas of the triangles up to each.
+    summed: Vec<f64>,
+    random: Random,
+}
+
+impl Surroundings<'_> {
+    fn new(mesh: &TriangleMesh) -> Surroundings<'_> {
+        let mut sum = 0.0;
+        let add = |[a, b, c]: [DVec3; 3]| {
+            sum += (b - a).cross(c - a).length();
+            sum
+        };
+        let summed = mesh.triangles.iter().map(|triangle| corners(mesh, triangle)).map(add).collect();
+        Surroundings { mesh, summed, random: Random::new(1) }
+    }
+
+    /// A point of the surface, any by area, and up to `reach` metres from it in any direction.
+    fn point(&mut self, reach: f64) -> DVec3 {
+        let Surroundings { mesh, summed, random } = self;
+        let area = random.unit() * summed.last().copied().unwrap_or(0.0);
+        let triangle = summed.partition_point(|&s| s <= area).min(summed.len() - 1);
+        let [a, b, c] = corners(mesh, &mesh.triangles[triangle]);
+        let (u, v) = (random.unit(), random.unit());
+        let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+        let cosine = 2.0 * random.unit() - 1.0;
+        let (sin, cos) = (2.0 * PI * random.unit()).sin_cos();
+        let across = (1.0 - cosine * cosine).sqrt();
+        let direction = DVec3::new(across * cos, across * sin, cosine);
+        a + (b - a) * u + (c - a) * v + direction * (reach * random.unit())
+    }
+}
+
+fn corners(mesh: &TriangleMesh, triangle: &[u32; 3]) -> [DVec3; 3] {
+    triangle.map(|vertex| DVec3::from(mesh.vertices[vertex as usize]))
 }

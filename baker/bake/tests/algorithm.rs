@@ -5,6 +5,7 @@ use volmap_bake::content_key::ALGORITHM_VERSION;
 use volmap_bake::density_map::DensitySettings;
 use volmap_bake::input::{InputSettings, from_bytes};
 use volmap_bake::plan::Settings;
+use volmap_bake::watch::Watch;
 
 /// Version, and BLAKE3 of the values to a hundred-thousandth of their unit.
 const PINNED: (u32, &str) = (1, "d717f08187a98c5d1b22eb098713290595baca76ec5c6c580dc9454c77b8fb34");
@@ -19,7 +20,7 @@ fn values_are_those_of_the_version() {
         ..Settings::default()
     };
     let settings = BakeSettings { map, ..BakeSettings::default() };
-    let asset = bake(input, &settings, &mut |_| (), &mut |_| ()).unwrap().asset;
+    let asset = bake(input, &settings, &Watch::default()).unwrap().asset;
     let density = asset.density.as_ref().unwrap();
     let fields = [
         (asset.signed_distance.to_f64(), asset.support_radius),

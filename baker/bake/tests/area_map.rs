@@ -8,6 +8,7 @@ use volmap_bake::area_map::{AreaDensity, AreaSettings, bake};
 use volmap_bake::density_map::oracle::extension as gamma;
 use volmap_bake::plan::{GridChoice, Precision};
 use volmap_bake::volume_map::extension::extension;
+use volmap_bake::watch::Watch;
 use volmap_formats::asset::{self, Compression};
 use volmap_formats::mesh::Outline;
 use volmap_runtime::KernelKind;
@@ -27,7 +28,7 @@ fn settings(cell: f64) -> AreaSettings {
 }
 
 fn map(bounds: [DVec2; 2], phi: impl Fn(DVec2) -> f64 + Sync, settings: &AreaSettings) -> VolumeMap {
-    VolumeMap::from_asset(&bake(bounds, &phi, settings).unwrap()).unwrap()
+    VolumeMap::from_asset(&bake(bounds, &phi, settings, &Watch::default()).unwrap()).unwrap()
 }
 
 /// The integral of f from low to high: Simpson's rule.
@@ -199,9 +200,9 @@ fn assets_come_back_from_files_the_same_on_any_number_of_threads() {
         (Precision::Rounded(1e-4), None),
     ] {
         let settings = AreaSettings { precision, density, ..settings(RADIUS / 3.0) };
-        let asset = bake(bounds, &phi, &settings).unwrap();
+        let asset = bake(bounds, &phi, &settings, &Watch::default()).unwrap();
         let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-        assert_eq!(alone.install(|| bake(bounds, &phi, &settings).unwrap()), asset);
+        assert_eq!(alone.install(|| bake(bounds, &phi, &settings, &Watch::default()).unwrap()), asset);
         let path = folder.path().join("map.h5");
         asset::write(&path, &asset, Compression::default()).unwrap();
         assert_eq!(asset::read(&path).unwrap(), asset);
@@ -216,7 +217,9 @@ fn assets_come_back_from_files_the_same_on_any_number_of_threads() {
 #[test]
 fn settings_that_make_no_map_are_named() {
     let line = [DVec2::new(-0.5, 0.0), DVec2::new(0.5, 0.0)];
-    let error = |settings: AreaSettings| bake(line, &|x: DVec2| x.y, &settings).unwrap_err().to_string();
+    let error = |settings: AreaSettings| {
+        bake(line, &|x: DVec2| x.y, &settings, &Watch::default()).unwrap_err().to_string()
+    };
     let base = || settings(RADIUS);
     let cases = [
         (AreaSettings { support_radius: Some(f64::NAN), ..base() }, "support_radius"),

@@ -10,7 +10,7 @@ use super::settings::BatchSettings;
 use super::state::{Action, decisions};
 use crate::error::Error;
 use serde_json::{Value, json};
-use std::sync::atomic::AtomicBool;
+use volmap_bake::watch::Cancel;
 
 /// What would come of a batch.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,12 +52,12 @@ impl Check {
 ///
 /// # Errors
 /// A worker that can't be started.
-pub fn check(expanded: &Expanded, settings: &BatchSettings, stop: &AtomicBool) -> Result<Check, Error> {
+pub fn check(expanded: &Expanded, settings: &BatchSettings, cancel: &Cancel) -> Result<Check, Error> {
     let own: Estimates = match settings.shard {
-        Some(shard) => own_part(&expanded.assets, shard, settings, stop)?,
+        Some(shard) => own_part(&expanded.assets, shard, settings, cancel)?,
         None => {
             let all: Vec<_> = expanded.assets.iter().enumerate().collect();
-            let mut pool = WorkerPool::new(&settings.worker, settings.jobs, settings.max_memory, stop);
+            let mut pool = WorkerPool::new(&settings.worker, settings.jobs, settings.max_memory, cancel);
             let mut found = estimates(&all, settings, &mut pool)?;
             found.sort_by_key(|(index, _)| *index);
             found

@@ -2,9 +2,10 @@
 
 use super::job::{BakeInput, Cost};
 use crate::error::Error;
-use volmap_bake::input::{self, bounds};
-use volmap_bake::mesh::prepare;
-use volmap_bake::plan::{Extent, GridChoice, plan};
+use volmap_bake::bake::plan_bake;
+use volmap_bake::input;
+use volmap_bake::plan::plan;
+use volmap_bake::watch::Watch;
 
 /// Measured on one core of an AMD EPYC, over the 206 meshes of `BENCHMARKS.md`: right to a third for half of the closed
 /// ones, to a factor of 3 for most open ones, whose winding numbers take what they take.
@@ -22,30 +23,31 @@ const SEARCH: f64 = 6.0;
 const COMPRESSED: f64 = 0.75;
 const NODES_PER_CELL: f64 = 7.5;
 
-/// Estimates the cost of an asset.
+/// Estimates the cost of an asset, from the plan of its bake.
 ///
 /// # Errors
-/// A mesh that can't be read, or settings that can't be used with it.
-pub fn cost(source: &BakeInput, max_memory: u64) -> Result<Cost, Error> {
-    let recipe = source.parameters.recipe();
-    let mut mesh = input::load(&source.mesh, &recipe.input)?.mesh;
-    let diagnosis = prepare(&mut mesh, recipe.bake.keep_orientation).diagnosis;
-    let [min, max] = bounds(&mesh);
-    let mut settings = recipe.bake.map.clone();
-    settings.max_memory = max_memory;
-    let planned = plan(&Extent { min, max, area: diagnosis.area }, &settings)?;
-    let triangles = mesh.triangles.len();
+/// A mesh that can't be read, or settings that can't be used with it; cancelled.
+pub fn cost(source: &BakeInput, max_memory: u64, watch: &Watch) -> Result<Cost, Error> {
+    let mut recipe = source.parameters.recipe();
+    recipe.bake.map.max_memory = max_memory;
+    let settings = &recipe.bake.map;
+    let planned = plan_bake(input::load(&source.mesh, &recipe.input)?, &recipe.bake, watch)?;
+    let is_search = planned.plan().is_none();
+    let estimate = match planned.plan() {
+        Some(plan) => plan.estimate,
+        None => plan(planned.extent(), settings)?.estimate,
+    };
+    let triangles = planned.input().mesh.triangles.len();
     let fields = 2.0 + f64::from(u8::from(settings.density.is_some()));
-    let nodes = NODES_PER_CELL * planned.estimate.cells as f64;
-    let is_search = matches!(settings.grid, GridChoice::Tolerance(_));
-    let open = if diagnosis.closed { 0.0 } else { nodes * SECONDS_PER_NODE_OF_OPEN };
-    let map_seconds = (MAP * planned.estimate.seconds + open) * if is_search { SEARCH } else { 1.0 };
+    let nodes = NODES_PER_CELL * estimate.cells as f64;
+    let open = if planned.diagnosis().closed { 0.0 } else { nodes * SECONDS_PER_NODE_OF_OPEN };
+    let map_seconds = (MAP * estimate.seconds + open) * if is_search { SEARCH } else { 1.0 };
     Ok(Cost {
         seconds: SECONDS_PER_ASSET
             + map_seconds
             + triangles as f64 * SECONDS_PER_TRIANGLE
             + f64::from(source.error_points) * SECONDS_PER_ERROR_POINT,
-        memory: planned.estimate.memory + triangles as u64 * BYTES_PER_TRIANGLE + LEAST_MEMORY,
+        memory: estimate.memory + triangles as u64 * BYTES_PER_TRIANGLE + LEAST_MEMORY,
         file: (nodes * fields * settings.precision.bytes() as f64 * COMPRESSED) as u64,
     })
 }

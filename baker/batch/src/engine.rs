@@ -17,8 +17,8 @@ use super::summary::{AssetReport, Counts, Outcome, SUMMARY_VERSION, Summary};
 use crate::error::Error;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
+use volmap_bake::watch::Cancel;
 use volmap_formats::asset::clear_leftovers;
 
 /// What happens.
@@ -65,8 +65,8 @@ pub struct BatchResult {
     pub unwritten: Option<Error>,
 }
 
-/// Runs a batch of the assets of a manifest and writes its summary. `stop` ends it soon: workers are ended, finished
-/// assets stay.
+/// Runs a batch of the assets of a manifest and writes its summary. `cancel` ends it soon: workers are ended, finished assets
+/// stay.
 ///
 /// # Errors
 /// What keeps a batch from beginning: a folder that can't be used. Whatever comes later stands in the summary.
@@ -75,7 +75,7 @@ pub fn run(
     manifest: Option<&Path>,
     settings: &BatchSettings,
     on_event: &mut dyn FnMut(Event),
-    stop: &AtomicBool,
+    cancel: &Cancel,
 ) -> Result<BatchResult, Error> {
     let start = Instant::now();
     let out = &settings.places.out;
@@ -86,7 +86,7 @@ pub fn run(
     clear_folders(&settings.places, &expanded.assets);
     let own = match settings.shard {
         Some(shard) => {
-            let part = own_part(&expanded.assets, shard, settings, stop)?;
+            let part = own_part(&expanded.assets, shard, settings, cancel)?;
             part.into_iter().map(|(index, cost)| (index, Some(cost))).collect()
         }
         None => (0..expanded.assets.len()).map(|index| (index, None)).collect::<Vec<_>>(),
@@ -102,10 +102,10 @@ pub fn run(
         report: None,
     });
     let mut batch = Batch { journal, records, settings, on_event, items: items.collect(), failure: None };
-    if !stop.load(Ordering::Relaxed) {
-        batch.work(stop);
+    if !cancel.is_cancelled() {
+        batch.work(cancel);
     }
-    let interrupted = stop.load(Ordering::Relaxed);
+    let interrupted = cancel.is_cancelled();
     let tidied = leftovers(expanded, settings, known_names, interrupted)?;
     let (summary, journal) = batch.finish(interrupted);
     let summary = Summary {
@@ -165,9 +165,9 @@ struct Batch<'a, 'e> {
 
 impl Batch<'_, '_> {
     /// An error after the beginning is told in the summary.
-    fn work(&mut self, stop: &AtomicBool) {
+    fn work(&mut self, cancel: &Cancel) {
         let BatchSettings { worker, jobs, max_memory, .. } = self.settings;
-        let mut pool = WorkerPool::new(worker, *jobs, *max_memory, stop);
+        let mut pool = WorkerPool::new(worker, *jobs, *max_memory, cancel);
         self.settle_the_easy();
         let worked = self.estimate(&mut pool).and_then(|()| self.make(&mut pool));
         if let Err(error) = worked {

@@ -1,6 +1,7 @@
 //! What can go wrong with a batch.
 
 use std::path::Path;
+use volmap_bake::watch::Cancelled;
 use volmap_formats::asset::AssetError;
 
 /// Why a batch ended.
@@ -29,7 +30,22 @@ impl From<volmap_runtime::Error> for Error {
     }
 }
 
+impl From<Cancelled> for Error {
+    fn from(error: Cancelled) -> Error {
+        volmap_bake::Error::from(error).into()
+    }
+}
+
 impl Error {
+    /// Whether the work ended because it was asked to.
+    pub fn is_cancelled(&self) -> bool {
+        match self {
+            Error::Bake(error) => error.is_cancelled(),
+            Error::Report(error) => error.is_cancelled(),
+            Error::Document(_) => false,
+        }
+    }
+
     pub(crate) fn setting(parameter: &'static str, reason: impl Into<String>) -> Error {
         volmap_bake::Error::setting(parameter, reason).into()
     }

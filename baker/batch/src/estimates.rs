@@ -8,7 +8,7 @@ use super::settings::BatchSettings;
 use super::shard::partition;
 use super::summary::Shard;
 use crate::error::Error;
-use std::sync::atomic::AtomicBool;
+use volmap_bake::watch::Cancel;
 
 /// Memory that reading a mesh takes, in bytes of its file: text grows in memory.
 const MEMORY_PER_BYTE: u64 = 8;
@@ -52,14 +52,14 @@ pub fn own_part(
     assets: &[PlannedAsset],
     shard: Shard,
     settings: &BatchSettings,
-    stop: &AtomicBool,
+    cancel: &Cancel,
 ) -> Result<Estimates, Error> {
     let all: Vec<(usize, &PlannedAsset)> = assets.iter().enumerate().collect();
     let jobs = settings.jobs.min(settings.threads);
     let costs: Vec<(usize, Cost)> = all.iter().map(|(at, _)| (*at, Cost::default())).collect();
     let mut queue = JobQueue::new(&costs, jobs, jobs, 0);
     let mut estimator = Estimator { assets: &all, timeout: None, found: Vec::new(), all_or_none: true };
-    WorkerPool::new(&settings.worker, jobs, u64::MAX, stop).run(&mut queue, &mut estimator)?;
+    WorkerPool::new(&settings.worker, jobs, u64::MAX, cancel).run(&mut queue, &mut estimator)?;
     if estimator.found.len() < assets.len() {
         return Err(Error::setting("shard", "the batch was stopped before its parts were found"));
     }

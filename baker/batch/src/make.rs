@@ -5,9 +5,10 @@ use super::{figures::figures, gates, measure, preview};
 use crate::error::Error;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-use volmap_bake::bake::{Step, bake};
+use volmap_bake::bake::bake;
 use volmap_bake::content_key::{self, ATTRIBUTE, key_of};
 use volmap_bake::recipe::Recipe;
+use volmap_bake::watch::Watch;
 use volmap_formats::asset::{self, Asset, Value};
 use volmap_report::report::{self, page::page, report};
 use volmap_runtime::VolumeMap;
@@ -15,8 +16,8 @@ use volmap_runtime::VolumeMap;
 /// Makes an asset, its picture and its report. The asset comes last: if it is there, so is the rest.
 ///
 /// # Errors
-/// A mesh that can't be read or baked; files that can't be written. What lay in the asset's place stays.
-pub fn make(task: &MakeTask, on_step: &mut dyn FnMut(&str)) -> Result<MakeResult, Error> {
+/// A mesh that can't be read or baked; files that can't be written; cancelled. What lay in the asset's place stays.
+pub fn make(task: &MakeTask, watch: &Watch) -> Result<MakeResult, Error> {
     let start = Instant::now();
     let recipe = task.input.parameters.recipe();
     let mut notes = Vec::new();
@@ -24,20 +25,26 @@ pub fn make(task: &MakeTask, on_step: &mut dyn FnMut(&str)) -> Result<MakeResult
     let (asset, bytes, from) = match found {
         Some(found) => found,
         None => {
-            let (asset, bytes) = baked(task, &recipe, on_step)?;
+            let (asset, bytes) = baked(task, &recipe, watch)?;
             (asset, bytes, None)
         }
     };
     let figures = figures(&asset);
     let failed_gates = gates::failed(&task.gates, &figures, bytes.len() as u64);
     let files = if failed_gates.is_empty() { &task.files.good } else { &task.files.rejected };
-    on_step("drawing");
-    publish(&files.preview, &preview::preview(&VolumeMap::from_asset(&asset)?))?;
-    if let Some(page) = &files.report {
-        on_step("measuring for the report");
-        write_report(page, &asset, task)?;
+    watch.step("drawing")?;
+    let preview = preview::preview(&VolumeMap::from_asset(&asset)?);
+    let report = match &files.report {
+        Some(page) => Some((page, report_of(&asset, task, watch)?)),
+        None => None,
+    };
+    // Last of all, so that nothing is left of what is stopped before.
+    watch.step("writing")?;
+    publish(&files.preview, &preview)?;
+    if let Some((page, report)) = &report {
+        publish(&page.with_extension("json"), report.json.as_bytes())?;
+        publish(page, report.html.as_bytes())?;
     }
-    on_step("writing");
     if from.is_none() || from != task.files.cached {
         notes.extend(keep(&bytes, task));
     }
@@ -58,8 +65,8 @@ pub fn make(task: &MakeTask, on_step: &mut dyn FnMut(&str)) -> Result<MakeResult
     })
 }
 
-/// What an asset says of its mesh's name and of the program are those of another day; with today's it is what a bake
-/// would give.
+/// What an asset says of its mesh's name and of the program are those of another day; with today's it is what a bake would
+/// give.
 fn reuse(path: &Path, task: &MakeTask, recipe: &Recipe) -> Option<(Asset, Vec<u8>, Option<PathBuf>)> {
     let (mut asset, mut bytes) = read_same(path, &task.identity.key)?;
     let names =
@@ -79,19 +86,15 @@ fn file_name(path: &Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-fn baked(task: &MakeTask, recipe: &Recipe, on_step: &mut dyn FnMut(&str)) -> Result<(Asset, Vec<u8>), Error> {
-    on_step("reading");
+fn baked(task: &MakeTask, recipe: &Recipe, watch: &Watch) -> Result<(Asset, Vec<u8>), Error> {
+    watch.step("reading")?;
     let input = content_key::load(&task.input.mesh, recipe, &task.identity)?;
     let mut settings = recipe.bake.clone();
     settings.map.max_memory = task.max_memory;
-    let mut step = |step: Step| on_step(step.name());
-    let mut asset = bake(input.clone(), &settings, &mut |_| (), &mut step)?.asset;
-    if task.input.error_points > 0 {
-        on_step("measuring the error");
-        measure::note_error(&mut asset, &input, task.input.error_points)?;
-    }
+    let mut asset = bake(input.clone(), &settings, watch)?.asset;
+    measure::note_error(&mut asset, &input, task.input.error_points, watch)?;
     asset.bake.insert(ATTRIBUTE.into(), task.identity.key.as_str().into());
-    on_step("compressing");
+    watch.step("compressing")?;
     let bytes = asset::encode(&asset, recipe.compression)?;
     Ok((asset, bytes))
 }
@@ -117,14 +120,20 @@ fn read_same(path: &Path, key: &str) -> Option<(Asset, Vec<u8>)> {
     (key_of(&asset) == Some(key)).then_some((asset, bytes))
 }
 
+/// A report as it is written.
+struct WrittenReport {
+    json: String,
+    html: String,
+}
+
 /// Without a verdict: gates may change, and the page stays.
-fn write_report(path: &Path, asset: &Asset, task: &MakeTask) -> Result<(), Error> {
+fn report_of(asset: &Asset, task: &MakeTask, watch: &Watch) -> Result<WrittenReport, Error> {
+    watch.step("measuring for the report")?;
     let mesh = content_key::load(&task.input.mesh, &task.input.parameters.recipe(), &task.identity)?;
-    let found = report(asset, Some(mesh), &report::ReportSettings::default(), &mut |_| ())?;
+    let found = report(asset, Some(mesh), &report::ReportSettings::default(), &watch.silent())?;
     let json = serde_json::to_string_pretty(&found.findings).expect("numbers and text") + "\n";
     let html = page(&file_name(&task.files.good.asset), &found.findings, found.pictures()).to_html();
-    publish(&path.with_extension("json"), json.as_bytes())?;
-    publish(path, html.as_bytes())
+    Ok(WrittenReport { json, html })
 }
 
 fn publish(path: &Path, bytes: &[u8]) -> Result<(), Error> {

@@ -8,6 +8,7 @@ use volmap_bake::describe;
 use volmap_bake::input::Input;
 use volmap_bake::sdf::Neighbours;
 use volmap_bake::tolerance::MeasuredError;
+use volmap_bake::watch::{Cancelled, Watch};
 use volmap_formats::asset::Asset;
 use volmap_report::report::model::{Model, Solid};
 use volmap_report::report::reference::{ExactIntegrals, FINE_RULE};
@@ -20,12 +21,12 @@ const SEED: u64 = 1;
 /// Measures an asset at up to so many points and notes the error in it, unless a tolerance's error stands there.
 ///
 /// # Errors
-/// An asset that the runtime refuses.
-pub fn note_error(asset: &mut Asset, input: &Input, points: u32) -> Result<(), Error> {
+/// An asset that the runtime refuses; cancelled.
+pub fn note_error(asset: &mut Asset, input: &Input, points: u32, watch: &Watch) -> Result<(), Error> {
     if points == 0 || asset.bake.contains_key(describe::VOLUME_ERROR_MAX) || asset.band_cells.is_empty() {
         return Ok(());
     }
-    let error = measure(asset, input.clone(), points as usize)?;
+    let error = measure(asset, input.clone(), points as usize, watch)?;
     // Without a point in the fluid nothing is known.
     if error.points > 0 {
         asset.bake.extend(describe::measured_error(&error, FINE_RULE));
@@ -33,7 +34,8 @@ pub fn note_error(asset: &mut Asset, input: &Input, points: u32) -> Result<(), E
     Ok(())
 }
 
-fn measure(asset: &Asset, input: Input, points: usize) -> Result<MeasuredError, Error> {
+fn measure(asset: &Asset, input: Input, points: usize, watch: &Watch) -> Result<MeasuredError, Error> {
+    watch.step("measuring the error")?;
     let model = Model::new(asset)?;
     let solid = Solid::new(asset, input)?;
     let drawn = band_points(&model.field.grid, &model.cells.band, TRIES * points, SEED);
@@ -41,9 +43,11 @@ fn measure(asset: &Asset, input: Input, points: usize) -> Result<MeasuredError, 
     let fluid: Vec<DVec3> = drawn.iter().filter(in_fluid).take(points).copied().collect();
     let exact = ExactIntegrals::new(&solid, model.radius);
     let error = |near: &mut Neighbours, x: &DVec3| {
-        (model.map.values(*x).volume - exact.fine(*x, near)).abs() / model.ball
+        watch.check()?;
+        Ok((model.map.values(*x).volume - exact.fine(*x, near)).abs() / model.ball)
     };
-    let errors: Vec<f64> = fluid.par_iter().map_init(Neighbours::default, error).collect();
+    let errors: Result<Vec<f64>, Cancelled> = fluid.par_iter().map_init(Neighbours::default, error).collect();
+    let errors = errors?;
     let squares: f64 = errors.iter().map(|error| error * error).sum();
     Ok(MeasuredError {
         max: errors

@@ -6,9 +6,9 @@ use super::process::{Message, Worker};
 use super::queue::{Assignment, JobQueue};
 use crate::error::Error;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
 use std::time::{Duration, Instant};
+use volmap_bake::watch::Cancel;
 
 /// How often limits are checked.
 const TICK: Duration = Duration::from_millis(50);
@@ -25,7 +25,7 @@ pub struct WorkerPool<'a> {
     sender: Sender<(usize, Message)>,
     /// Number of the next worker.
     next: usize,
-    stop: &'a AtomicBool,
+    cancel: &'a Cancel,
 }
 
 /// Room for one worker and its job.
@@ -66,10 +66,10 @@ pub trait JobHandler {
 
 impl<'a> WorkerPool<'a> {
     /// A pool of so many slots; workers are started when they are needed.
-    pub fn new(program: &Path, slots: usize, max_memory: u64, stop: &'a AtomicBool) -> WorkerPool<'a> {
+    pub fn new(program: &Path, slots: usize, max_memory: u64, cancel: &'a Cancel) -> WorkerPool<'a> {
         let (sender, messages) = mpsc::channel();
         let slots = (0..slots).map(|_| Slot::default()).collect();
-        WorkerPool { program: program.to_owned(), slots, max_memory, messages, sender, next: 0, stop }
+        WorkerPool { program: program.to_owned(), slots, max_memory, messages, sender, next: 0, cancel }
     }
 
     /// Runs the jobs of a queue until it is empty, `stop` is set, or the handler says no to more: running jobs are
@@ -80,7 +80,7 @@ impl<'a> WorkerPool<'a> {
     pub fn run(&mut self, queue: &mut JobQueue, handler: &mut dyn JobHandler) -> Result<(), Error> {
         let mut go_on = true;
         loop {
-            while go_on && !self.stop.load(Ordering::Relaxed) {
+            while go_on && !self.cancel.is_cancelled() {
                 let Some(assignment) = queue.take() else { break };
                 self.start(assignment, handler)?;
             }
@@ -91,7 +91,7 @@ impl<'a> WorkerPool<'a> {
                 Ok((number, message)) => go_on &= self.receive(number, message, queue, handler)?,
                 Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => {}
             }
-            if self.stop.load(Ordering::Relaxed) {
+            if self.cancel.is_cancelled() {
                 self.slots.iter_mut().for_each(|slot| *slot = Slot::default());
                 return Ok(());
             }

@@ -257,6 +257,7 @@ mod tests {
     use volmap_bake::input::{InputSettings, from_bytes};
     use volmap_bake::plan::{GridChoice, Settings};
     use volmap_bake::volume_map::quadrature::Rule;
+    use volmap_bake::watch::Watch;
     use volmap_formats::asset::{Array, Asset};
 
     const CUBE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n\
@@ -276,14 +277,15 @@ mod tests {
             ..Settings::default()
         };
         let settings = BakeSettings { map, ..BakeSettings::default() };
-        bake(input, &settings, &mut |_| (), &mut |_| ()).unwrap().asset
+        bake(input, &settings, &Watch::default()).unwrap().asset
     }
 
     /// A disc's map in two dimensions.
     fn disc(radius: f64) -> Asset {
         let corner = DVec2::splat(radius);
         let settings = AreaSettings { support_radius: Some(0.2), ..AreaSettings::default() };
-        area_map::bake([-corner, corner], &|x: DVec2| x.length() - radius, &settings).unwrap()
+        area_map::bake([-corner, corner], &|x: DVec2| x.length() - radius, &settings, &Watch::default())
+            .unwrap()
     }
 
     /// Area that is covered, m^2, if white is nothing and the deepest colour is all.

@@ -8,14 +8,21 @@ use super::make::make;
 use super::memory::of_process;
 use crate::error::Error;
 use std::io::{self, BufRead, Write};
-use std::sync::mpsc;
+use std::sync::{Arc, Mutex, PoisonError, mpsc};
+use volmap_bake::watch::Watch;
 use volmap_formats::asset::AssetError;
 
 /// Runs jobs until there are no more.
 ///
 /// # Errors
 /// An output that can't be written to; a line that is no job.
-pub fn run(mut output: impl Write + Send) -> io::Result<()> {
+pub fn run(output: impl Write + Send + 'static) -> io::Result<()> {
+    let output = Arc::new(Mutex::new(output));
+    let told = output.clone();
+    let watch = Watch::new(move |step| {
+        // If nobody reads any more, the input has ended too.
+        let _ = send(&told, &Reply::Step(step.name.to_owned()));
+    });
     let (sender, jobs) = mpsc::channel();
     std::thread::spawn(move || {
         for line in io::stdin().lock().lines() {
@@ -30,30 +37,27 @@ pub fn run(mut output: impl Write + Send) -> io::Result<()> {
     for line in jobs {
         let job: Job = serde_json::from_str(&line)?;
         reset_peak_memory();
-        let reply = answer(&job, &mut |step| {
-            // If nobody reads any more, the input has ended too.
-            let _ = send(&mut output, &Reply::Step(step.to_owned()));
-        });
-        send(&mut output, &reply)?;
+        send(&output, &answer(&job, &watch))?;
     }
     Ok(())
 }
 
-fn send(output: &mut impl Write, reply: &Reply) -> io::Result<()> {
+fn send(output: &Mutex<impl Write>, reply: &Reply) -> io::Result<()> {
+    let mut output = output.lock().unwrap_or_else(PoisonError::into_inner);
     let mut line = serde_json::to_vec(reply)?;
     line.push(b'\n');
     output.write_all(&line)?;
     output.flush()
 }
 
-fn answer(job: &Job, on_step: &mut (dyn FnMut(&str) + Send)) -> Reply {
+fn answer(job: &Job, watch: &Watch) -> Reply {
     let pool = match rayon::ThreadPoolBuilder::new().num_threads(job.threads).build() {
         Ok(pool) => pool,
         Err(error) => return Reply::Failed { error: error.to_string(), disk_full: false },
     };
     let done = pool.install(|| match &job.task {
-        Task::Estimate(input) => cost(input, u64::MAX).map(Reply::Estimated),
-        Task::Make(task) => make(task, on_step).map(|made| {
+        Task::Estimate(input) => cost(input, u64::MAX, watch).map(Reply::Estimated),
+        Task::Make(task) => make(task, watch).map(|made| {
             let made = MakeResult { peak_memory: of_process("self", "VmHWM:"), ..made };
             Reply::Made(Box::new(made))
         }),

@@ -9,6 +9,7 @@ use std::path::Path;
 use volmap_bake::bake::{BakeSettings, bake};
 use volmap_bake::input::{Input, InputSettings, from_bytes};
 use volmap_bake::plan::{GridChoice, Settings as MapSettings};
+use volmap_bake::watch::Watch;
 use volmap_report::report::{ReportSettings, report};
 
 /// Largest error that passes, as a part of the full ball.
@@ -51,7 +52,7 @@ pub fn measure() -> Result<(String, bool), volmap_report::Error> {
     let map =
         MapSettings { support_radius: Some(0.1), grid: GridChoice::CellSize(0.1), ..MapSettings::default() };
     let asset =
-        bake(mesh.clone(), &BakeSettings { map, ..BakeSettings::default() }, &mut |_| (), &mut |_| ())?.asset;
+        bake(mesh.clone(), &BakeSettings { map, ..BakeSettings::default() }, &Watch::default())?.asset;
     let settings = ReportSettings {
         points: 400,
         mesh_points: 100,
@@ -59,7 +60,7 @@ pub fn measure() -> Result<(String, bool), volmap_report::Error> {
         max_error: Some(MAX_ERROR),
         ..ReportSettings::default()
     };
-    let verdict = report(&asset, Some(mesh), &settings, &mut |_| ())?.findings.verdict;
+    let verdict = report(&asset, Some(mesh), &settings, &Watch::default())?.findings.verdict;
     Ok((verdict.text, verdict.passed == Some(true)))
 }
 

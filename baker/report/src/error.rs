@@ -1,6 +1,7 @@
 //! What can go wrong with an asset that is looked into.
 
 use std::path::Path;
+use volmap_bake::watch::Cancelled;
 use volmap_formats::export::ExportError;
 
 /// Why an asset couldn't be measured, drawn or carried over.
@@ -17,7 +18,18 @@ pub enum Error {
     Export(#[from] ExportError),
 }
 
+impl From<Cancelled> for Error {
+    fn from(error: Cancelled) -> Error {
+        volmap_bake::Error::from(error).into()
+    }
+}
+
 impl Error {
+    /// Whether the work ended because it was asked to.
+    pub fn is_cancelled(&self) -> bool {
+        matches!(self, Error::Bake(error) if error.is_cancelled())
+    }
+
     pub(crate) fn setting(parameter: &'static str, reason: impl Into<String>) -> Error {
         volmap_bake::Error::setting(parameter, reason).into()
     }

@@ -17,6 +17,7 @@ use std::path::Path;
 use volmap_bake::area_map::require_space;
 use volmap_bake::iso_surface::iso_surface;
 use volmap_bake::iso_surface::lattice::LatticeChoice;
+use volmap_bake::watch::Watch;
 use volmap_formats::asset::{Array, Asset};
 use volmap_formats::export::{cdm, ply, vti, vtkhdf};
 use volmap_formats::text::thousands;
@@ -46,38 +47,45 @@ pub struct ExportSettings {
 ///
 /// # Errors
 /// An unknown extension, settings that the format has no use for, an asset that isn't consistent, or a file that
-/// can't be written.
-pub fn export(asset: &Asset, path: &Path, settings: &ExportSettings) -> Result<String, Error> {
+/// can't be written; cancelled, which leaves no file.
+pub fn export(asset: &Asset, path: &Path, settings: &ExportSettings, watch: &Watch) -> Result<String, Error> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     check_settings(&extension, settings)?;
     require_space(asset, "volmap export")?;
     match extension.as_str() {
         "vtkhdf" => {
-            let cells = hexahedra::hexahedra(asset)?;
+            let cells = hexahedra::hexahedra(asset, watch)?;
+            watch.step(WRITING)?;
             vtkhdf::write(path, &cells)?;
             Ok(format!("{} cubic cells, {} points", count(&cells.cells), count(&cells.points)))
         }
         "vti" => {
-            let image = image::image(asset, settings)?;
+            let image = image::image(asset, settings, watch)?;
+            watch.step(WRITING)?;
             vti::write(path, &image)?;
             let [x, y, z] = image.points;
             Ok(format!("{x} x {y} x {z} points"))
         }
         "ply" => {
             let iso = settings.iso.unwrap_or(0.0);
-            let surface = iso_surface(&VolumeMap::from_asset(asset)?, iso, settings.lattice)?;
+            let surface = iso_surface(&VolumeMap::from_asset(asset)?, iso, settings.lattice, watch)?;
+            watch.step(WRITING)?;
             let comment = format!("volmap, surface of signed distance {iso} m");
             ply::write(path, &surface.vertices, &surface.triangles, &comment)?;
             Ok(surface.to_string())
         }
         _ => {
-            let grid = discregrid::discregrid(asset, extension == "cdm")?;
+            let grid = discregrid::discregrid(asset, extension == "cdm", watch)?;
+            watch.step(WRITING)?;
             cdm::write(path, &grid)?;
             let distance = &grid.fields[0];
             Ok(format!("{} cells, {} nodes", count(&distance.cells), count(&distance.nodes)))
         }
     }
 }
+
+/// The last step, which is done whole or not at all.
+const WRITING: &str = "writing";
 
 fn check_settings(extension: &str, settings: &ExportSettings) -> Result<(), Error> {
     let useless =

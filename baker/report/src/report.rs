@@ -33,7 +33,7 @@ use thin::Width;
 use views::View;
 use volmap_bake::input::Input;
 use volmap_bake::sdf::{compare_signs, points_near_surface};
-use volmap_bake::work::Work;
+use volmap_bake::watch::Watch;
 use volmap_formats::asset::Asset;
 use volume_error::{Measuring, VolumeSample};
 
@@ -70,21 +70,6 @@ impl Default for ReportSettings {
     }
 }
 
-/// A step of the report, for progress.
-#[derive(Clone, Debug)]
-pub enum ReportStep {
-    /// Preparing mesh and asset.
-    Opening,
-    /// Integrals at the random points.
-    Samples(Work),
-    /// Distances, normals, signs and widths.
-    Surface,
-    /// Integrals at the pixels of slices.
-    Slices(Work),
-    /// Drawing.
-    Pictures,
-}
-
 /// All that was measured.
 pub struct Report {
     /// The figures, as they stand in the JSON file.
@@ -112,14 +97,14 @@ impl Report {
 /// Measures an asset.
 ///
 /// # Errors
-/// An asset or a mesh that can't be used.
+/// An asset or a mesh that can't be used; cancelled.
 pub fn report(
     asset: &Asset,
     mesh: Option<Input>,
     settings: &ReportSettings,
-    enter: &mut dyn FnMut(ReportStep),
+    watch: &Watch,
 ) -> Result<Report, Error> {
-    enter(ReportStep::Opening);
+    watch.step("preparing")?;
     let model = Model::new(asset)?;
     if model.cells.band.is_empty() {
         return Err(Error::setting("asset", "stores no cells; there is nothing to measure"));
@@ -133,24 +118,21 @@ pub fn report(
         mesh_points: settings.mesh_points,
         gl100_mesh_points: settings.gl100_mesh_points,
     };
-    let work = Work::new(points.len() as u64);
-    enter(ReportStep::Samples(work.clone()));
-    let volumes = volume_error::measure(&measuring, &points, &work);
-    enter(ReportStep::Surface);
-    let surface = solid.as_ref().map(|solid| surface(asset, &model, solid, &points));
+    let volumes = volume_error::measure(&measuring, &points, watch)?;
+    let surface = match &solid {
+        Some(solid) => Some(surface(asset, &model, solid, &points, watch)?),
+        None => None,
+    };
     let worst = findings::worst_point(&volumes);
-    let slices = slices::slices(&model, worst, settings.pixels, &mut |total| {
-        let work = Work::new(total);
-        enter(ReportStep::Slices(work.clone()));
-        work
-    });
-    enter(ReportStep::Pictures);
+    let slices = slices::slices(&model, worst, settings.pixels, watch)?;
+    watch.step("drawing")?;
     let views = match (&solid, settings.pixels) {
-        (Some(solid), pixels @ 1..) => views::views(&model, solid, pixels),
+        (Some(solid), pixels @ 1..) => views::views(&model, solid, pixels, watch)?,
         _ => Vec::new(),
     };
     let measured = Measured { asset, model: &model, solid: solid.as_ref(), volumes, surface };
     let findings = findings(&measured, settings, &slices);
+    watch.check()?;
     Ok(Report { findings, slices, views, solid })
 }
 
@@ -180,15 +162,23 @@ pub struct Surface {
     pub widths: Vec<Width>,
 }
 
-fn surface(asset: &Asset, model: &Model, solid: &Solid, points: &[DVec3]) -> Surface {
+fn surface(
+    asset: &Asset,
+    model: &Model,
+    solid: &Solid,
+    points: &[DVec3],
+    watch: &Watch,
+) -> Result<Surface, Error> {
     let corner = |v: u32| DVec3::from(solid.mesh.vertices[v as usize]);
     let corners: Vec<[DVec3; 3]> = solid.mesh.triangles.iter().map(|triangle| triangle.map(corner)).collect();
-    let reach = thin::reach(model);
-    let density = asset.density.as_ref();
-    Surface {
-        density: density.and_then(|density| density_error::measure(model, density, solid, points)),
-        errors: distance_error::measure(model, solid, points),
-        signs: compare_signs(&solid.phi.mesh, &points_near_surface(&corners)),
-        widths: thin::widths(solid, &thin::spread(&corners), reach),
-    }
+    let density = match &asset.density {
+        Some(density) => density_error::measure(model, density, solid, points, watch)?,
+        None => None,
+    };
+    let errors = distance_error::measure(model, solid, points, watch)?;
+    let near = points_near_surface(&corners);
+    let work = watch.begin("comparing the signs", near.len() as u64)?;
+    let signs = compare_signs(&solid.phi.mesh, &near, &work)?;
+    let widths = thin::widths(solid, &thin::spread(&corners), thin::reach(model), watch)?;
+    Ok(Surface { density, errors, signs, widths })
 }

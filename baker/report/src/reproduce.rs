@@ -15,18 +15,18 @@ use duck::DuckSettings;
 use kinds::KindsSettings;
 use plane::PlaneSettings;
 use volmap_bake::bake::{Bake, BakeSettings, bake};
-use volmap_bake::input::{Input, Source};
-use volmap_bake::plan::Settings as MapSettings;
-use volmap_bake::work::Work;
-use volmap_formats::mesh::{CleanReport, Placement, TriangleMesh};
+use volmap_bake::density_map::cost::unit_cube;
+use volmap_bake::input::{Input, InputSettings, from_arrays};
+use volmap_bake::settings::Settings as MapSettings;
+use volmap_bake::watch::Watch;
+use volmap_formats::mesh::TriangleMesh;
 
 /// The paper's MB and KB.
 const MIB: f64 = 1024.0 * 1024.0;
 const KIB: f64 = 1024.0;
 
-/// An experiment with maps. It is told of its steps.
-pub type Experiment =
-    experiments::Experiment<fn(&ReproduceSettings, &mut dyn FnMut(ExperimentStep)) -> Result<Outcome, Error>>;
+/// An experiment with maps. It can be watched and stopped.
+pub type Experiment = experiments::Experiment<fn(&ReproduceSettings, &Watch) -> Result<Outcome, Error>>;
 
 /// All of them, in the paper's order.
 pub const EXPERIMENTS: &[Experiment] = &[
@@ -34,25 +34,25 @@ pub const EXPERIMENTS: &[Experiment] = &[
         name: "duck",
         title: "Error of a duck's volume map",
         about: "against an integral of order 100 (section 5, Fig. 6)",
-        run: |settings, enter| duck::measure(&settings.duck, enter),
+        run: |settings, watch| duck::measure(&settings.duck, watch),
     },
     Experiment {
         name: "plane",
         title: "Error beside a plane",
         about: "against the exact volume as a particle moves to a plane (section 5)",
-        run: |settings, enter| plane::measure(&settings.plane, enter),
+        run: |settings, watch| plane::measure(&settings.plane, watch),
     },
     Experiment {
         name: "dragon",
         title: "Memory of a dragon's map",
         about: "dense and sparse (section 5)",
-        run: |settings, enter| dragon::measure(&settings.dragon, enter),
+        run: |settings, watch| dragon::measure(&settings.dragon, watch),
     },
     Experiment {
         name: "density",
         title: "Time and memory of a density map and a volume map",
         about: "of a cube (section 6, Fig. 10)",
-        run: |settings, enter| kinds::measure(&settings.density, enter),
+        run: |settings, watch| kinds::measure(&settings.density, watch),
     },
 ];
 
@@ -67,15 +67,6 @@ pub struct ReproduceSettings {
     pub dragon: DragonSettings,
     /// Of the comparison with density maps.
     pub density: KindsSettings,
-}
-
-/// A step of an experiment, for progress.
-#[derive(Clone, Debug)]
-pub struct ExperimentStep {
-    /// What is done.
-    pub name: &'static str,
-    /// How far it is, if that is known.
-    pub work: Option<Work>,
 }
 
 /// A figure of which the paper may have its own.
@@ -98,18 +89,13 @@ fn outcome(rows: Vec<Row>, notes: Vec<String>) -> Outcome {
     Outcome { rows, notes, ..Outcome::default() }
 }
 
-fn baked(input: Input, settings: MapSettings) -> Result<Bake, Error> {
+fn baked(input: Input, settings: MapSettings, watch: &Watch) -> Result<Bake, Error> {
     let settings = BakeSettings { map: settings, ..BakeSettings::default() };
-    Ok(bake(input, &settings, &mut |_| (), &mut |_| ())?)
+    Ok(bake(input, &settings, watch)?)
 }
 
-/// A mesh that comes from no file.
-fn made(mesh: TriangleMesh, name: &str) -> Input {
-    Input {
-        mesh,
-        source: Source { file: name.into(), format: "none".into(), blake3: String::new() },
-        cleaning: CleanReport::default(),
-        placement: Placement::default(),
-        weld_tolerance: 0.0,
-    }
+/// The cube [-1/2, 1/2]^3, metres.
+fn unit_cube_input() -> Result<Input, Error> {
+    let TriangleMesh { vertices, triangles } = unit_cube();
+    Ok(from_arrays("unit cube", &vertices, &triangles, &InputSettings::default())?)
 }

@@ -6,6 +6,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::io::Write;
 use volmap_bake::sdf::bvh::Bvh;
+use volmap_bake::watch::{Cancelled, Watch};
 use volmap_figures::picture::colours::{BLACK, DISTINCT, WHITE};
 use volmap_figures::picture::{
     ColourMap, Colouring, Figure, Limits, Line, Panel, Pixel, PixelLattice, Plane, Quantity, Raster,
@@ -65,8 +66,13 @@ pub struct NamedMesh<'a> {
 /// Samples a map on a plane through its domain, and draws it, its surface and the mesh's.
 ///
 /// # Errors
-/// A plane outside the domain; the angle of normals without a mesh.
-pub fn slice(map: &VolumeMap, settings: &SliceSettings, mesh: Option<NamedMesh>) -> Result<Slice, Error> {
+/// A plane outside the domain; the angle of normals without a mesh; cancelled.
+pub fn slice(
+    map: &VolumeMap,
+    settings: &SliceSettings,
+    mesh: Option<NamedMesh>,
+    watch: &Watch,
+) -> Result<Slice, Error> {
     let lattice = lattice(map, settings)?;
     if settings.field == Field::Density && map.density_kernel().is_none() {
         return Err(Error::setting("field", "density: the asset has none; bake it with `density`"));
@@ -75,40 +81,55 @@ pub fn slice(map: &VolumeMap, settings: &SliceSettings, mesh: Option<NamedMesh>)
         (Field::NormalAngle, None) => {
             return Err(Error::setting("field", "normal-angle: needs `mesh`, to compare with"));
         }
-        (Field::NormalAngle, Some(NamedMesh { mesh, .. })) => {
-            let corner = |vertex: u32| DVec3::from(mesh.vertices[vertex as usize]);
-            let corners: Vec<[DVec3; 3]> =
-                mesh.triangles.iter().map(|triangle| triangle.map(corner)).collect();
-            Some(Bvh::new(&corners))
-        }
+        (Field::NormalAngle, Some(NamedMesh { mesh, .. })) => Some(tree(mesh)),
         _ => None,
     };
-    let rows: Vec<(Vec<Pixel>, Vec<f64>)> = (0..lattice.size[1])
-        .into_par_iter()
-        .map(|j| {
-            let points: Vec<DVec3> = (0..lattice.size[0]).map(|i| lattice.point(i, j)).collect();
-            let mut samples: Vec<Sample> = Vec::new();
-            map.sample_batch(&points, &mut samples);
-            let pixel = |(sample, point): (&Sample, &DVec3)| match (settings.field, map.density(*point)) {
-                (Field::Density, Some(density)) if sample.near().is_some() => Pixel::Value(density.value),
-                _ => pixel(settings.field, sample, *point, tree.as_ref()),
-            };
-            let distance = |sample: &Sample| sample.near().map_or(f64::NAN, |near| near.distance);
-            (samples.iter().zip(&points).map(pixel).collect(), samples.iter().map(distance).collect())
-        })
-        .collect();
-    let (pixels, distances): (Vec<Vec<Pixel>>, Vec<Vec<f64>>) = rows.into_iter().unzip();
-    let raster = Raster { lattice, pixels: pixels.concat() };
-    let lines = lines(&raster, &distances.concat(), settings, mesh);
+    let (pixels, distances) = sampled(map, settings.field, &lattice, tree.as_ref(), watch)?;
+    let raster = Raster { lattice, pixels };
+    watch.step("drawing")?;
     let panel = Panel {
         title: settings.plane.to_string().replace('-', "−"),
         raster: raster.clone(),
         quantity: quantity(settings.field),
         colouring: colouring(settings.field),
-        lines,
+        lines: lines(&raster, &distances, settings, mesh),
         markers: Vec::new(),
     };
+    watch.check()?;
     Ok(Slice { figure: Figure::of(panel), raster })
+}
+
+fn tree(mesh: &TriangleMesh) -> Bvh {
+    let corner = |vertex: u32| DVec3::from(mesh.vertices[vertex as usize]);
+    let corners: Vec<[DVec3; 3]> = mesh.triangles.iter().map(|triangle| triangle.map(corner)).collect();
+    Bvh::new(&corners)
+}
+
+/// The field, and the distance in metres or NaN, at the pixels.
+fn sampled(
+    map: &VolumeMap,
+    field: Field,
+    lattice: &PixelLattice,
+    tree: Option<&Bvh>,
+    watch: &Watch,
+) -> Result<(Vec<Pixel>, Vec<f64>), Cancelled> {
+    let work = watch.begin("asking the map at pixels", lattice.size[1] as u64)?;
+    let row = |j: usize| {
+        work.check()?;
+        let points: Vec<DVec3> = (0..lattice.size[0]).map(|i| lattice.point(i, j)).collect();
+        let mut samples: Vec<Sample> = Vec::new();
+        map.sample_batch(&points, &mut samples);
+        let pixel = |(sample, point): (&Sample, &DVec3)| match (field, map.density(*point)) {
+            (Field::Density, Some(density)) if sample.near().is_some() => Pixel::Value(density.value),
+            _ => pixel(field, sample, *point, tree),
+        };
+        let distance = |sample: &Sample| sample.near().map_or(f64::NAN, |near| near.distance);
+        work.add(1);
+        Ok((samples.iter().zip(&points).map(pixel).collect(), samples.iter().map(distance).collect()))
+    };
+    let rows: Result<Vec<_>, Cancelled> = (0..lattice.size[1]).into_par_iter().map(row).collect();
+    let (pixels, distances): (Vec<Vec<Pixel>>, Vec<Vec<f64>>) = rows?.into_iter().unzip();
+    Ok((pixels.concat(), distances.concat()))
 }
 
 /// The pixels of the plane, if it goes through the domain.

@@ -6,9 +6,8 @@ use crate::options::with_options;
 use crate::progress::Progress;
 use anyhow::{Result, bail};
 use std::io::{self, Write};
-use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
-use volmap_bake::bake::bake;
+use volmap_bake::bake::plan_bake;
 use volmap_bake::input;
 use volmap_formats::asset;
 use volmap_formats::text::bytes;
@@ -24,21 +23,19 @@ pub fn run_bake(arguments: &BakeArguments) -> Result<()> {
     if let Some(threads) = arguments.threads {
         rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
     }
-    let writing = exit_between_writes()?;
-    let mut progress = Progress::new(arguments.quiet);
+    let mut progress = Progress::new(arguments.quiet)?;
+    let watch = progress.watch();
     let start = Instant::now();
     let recipe = arguments.recipe();
     let input = input::load(&arguments.mesh, &recipe.input)?;
     let read_seconds = start.elapsed().as_secs_f64();
-    let mut baked =
-        bake(input, &recipe.bake, &mut |plan| progress.plan(plan), &mut |step| progress.step(step))?;
+    let planned = plan_bake(input, &recipe.bake, &watch)?;
+    planned.plan().into_iter().for_each(|plan| progress.plan(plan));
+    let mut baked = planned.run(&watch)?;
+    watch.check()?;
     progress.finish();
     let start = Instant::now();
-    {
-        let mut written = writing.lock().unwrap_or_else(PoisonError::into_inner);
-        asset::write(&output, &baked.asset, recipe.compression)?;
-        *written = true;
-    }
+    asset::write(&output, &baked.asset, recipe.compression)?;
     baked.summary.seconds.insert(0, ("read", read_seconds));
     baked.summary.seconds.push(("write", start.elapsed().as_secs_f64()));
     let file_bytes = std::fs::metadata(&output)?.len();
@@ -55,17 +52,4 @@ pub fn run_bake(arguments: &BakeArguments) -> Result<()> {
         )?;
     }
     Ok(())
-}
-
-/// Ends the program on Ctrl-C at once, but not while the lock is held: nothing half-written stays. The flag says
-/// whether the asset is written.
-pub(super) fn exit_between_writes() -> Result<Arc<Mutex<bool>>> {
-    let writing = Arc::new(Mutex::new(false));
-    let handler_lock = writing.clone();
-    ctrlc::set_handler(move || {
-        let written = handler_lock.lock().unwrap_or_else(PoisonError::into_inner);
-        eprintln!("stopped; {}", if *written { "the asset is complete" } else { "nothing was written" });
-        std::process::exit(130);
-    })?;
-    Ok(writing)
 }

@@ -1,15 +1,12 @@
 //! `volmap batch`, `volmap verify` and the workers of batches.
 
 use crate::args::batch::{BatchArguments, Log, VerifyArguments};
-use crate::batch_progress::BatchProgress;
+use crate::progress::BatchProgress;
+use crate::signals::{STOPPED, cancel_on_signals};
 use anyhow::{Context, Result, bail};
-use signal_hook::consts::{SIGINT, SIGTERM};
-use signal_hook::flag;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use volmap_bake::content_key;
 use volmap_bake::parameters::Parameters;
 use volmap_batch::assets::{Expanded, expand};
@@ -31,8 +28,6 @@ use volmap_formats::text::{bytes, duration};
 const SOME_FAILED: u8 = 1;
 /// The batch couldn't start.
 const NOT_STARTED: u8 = 2;
-/// As shells have it after Ctrl-C.
-const STOPPED: u8 = 130;
 
 /// Memory if the system doesn't tell what is free, bytes.
 const DEFAULT_MEMORY: u64 = 4 << 30;
@@ -60,10 +55,11 @@ fn start(arguments: &BatchArguments) -> Result<ExitCode> {
         return Ok(list(&expanded));
     }
     let settings = settings(arguments)?;
-    let stop = stop_on_signals()?;
+    // What is done stays.
+    let cancel = cancel_on_signals()?;
     if arguments.check {
-        let found = check(&expanded, &settings, &stop)?;
-        if stop.load(Ordering::Relaxed) {
+        let found = check(&expanded, &settings, &cancel)?;
+        if cancel.is_cancelled() {
             return Ok(ExitCode::from(STOPPED));
         }
         match arguments.log {
@@ -86,7 +82,7 @@ fn start(arguments: &BatchArguments) -> Result<ExitCode> {
         }
         progress.event(&event);
     };
-    let ran = engine::run(&expanded, manifest_path.as_deref(), &settings, &mut on_event, &stop)?;
+    let ran = engine::run(&expanded, manifest_path.as_deref(), &settings, &mut on_event, &cancel)?;
     progress.finish();
     let code = close(&ran.summary, &settings.places.out, arguments);
     if let Some(error) = ran.unwritten {
@@ -182,16 +178,6 @@ fn settings(arguments: &BatchArguments) -> Result<BatchSettings> {
 
 fn processors() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
-}
-
-/// Ctrl-C and the signals that end programs stop the batch; what is done stays. A second one ends it at once.
-fn stop_on_signals() -> Result<Arc<AtomicBool>> {
-    let stop = Arc::new(AtomicBool::new(false));
-    for signal in [SIGINT, SIGTERM] {
-        flag::register_conditional_shutdown(signal, STOPPED.into(), stop.clone())?;
-        flag::register(signal, stop.clone())?;
-    }
-    Ok(stop)
 }
 
 /// Prints, to whoever still reads: a batch isn't bad because nobody listens.

@@ -3,6 +3,7 @@
 use crate::args::exchange::{ExportArguments, ImportArguments};
 use crate::is_same_file;
 use crate::options::with_options;
+use crate::progress::Progress;
 use anyhow::{Result, bail};
 use std::io::{self, Write};
 use volmap_formats::asset::{self, Compression};
@@ -16,7 +17,10 @@ pub fn run_export(arguments: &ExportArguments) -> Result<()> {
         bail!("{}: would overwrite the asset; name another file with --output", output.display());
     }
     asset::check_target(output)?;
-    let content = export::export(&asset::read(&arguments.asset)?, output, &arguments.settings())?;
+    let mut progress = Progress::new(false)?;
+    let asset = asset::read(&arguments.asset)?;
+    let content = export::export(&asset, output, &arguments.settings(), &progress.watch())?;
+    progress.finish();
     let file_bytes = std::fs::metadata(output)?.len();
     Ok(writeln!(io::stdout(), "{}: {content} ({})", output.display(), bytes(file_bytes))?)
 }

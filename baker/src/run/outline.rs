@@ -1,11 +1,10 @@
 //! `volmap bake-outline`.
 
-use super::bake::exit_between_writes;
 use crate::args::outline::OutlineArguments;
 use crate::is_same_file;
+use crate::progress::Progress;
 use anyhow::{Result, bail};
 use std::io::{self, Write};
-use std::sync::PoisonError;
 use volmap_bake::area_map::outline::bake_file;
 use volmap_formats::asset::{self, Asset, Value};
 use volmap_formats::text::{bytes, thousands};
@@ -21,13 +20,12 @@ pub fn run_bake_outline(arguments: &OutlineArguments) -> Result<()> {
     if let Some(threads) = arguments.threads {
         rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
     }
-    let writing = exit_between_writes()?;
-    let baked = bake_file(&arguments.outline, arguments.placement(), &arguments.settings())?;
-    {
-        let mut written = writing.lock().unwrap_or_else(PoisonError::into_inner);
-        asset::write(&output, &baked, arguments.compression())?;
-        *written = true;
-    }
+    let mut progress = Progress::new(arguments.quiet)?;
+    let watch = progress.watch();
+    let baked = bake_file(&arguments.outline, arguments.placement(), &arguments.settings(), &watch)?;
+    watch.check()?;
+    progress.finish();
+    asset::write(&output, &baked, arguments.compression())?;
     let file_bytes = std::fs::metadata(&output)?.len();
     let mut out = io::stdout().lock();
     if arguments.json {

@@ -26,13 +26,13 @@ pub fn run_report(arguments: &ReportArguments) -> Result<ExitCode> {
         rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
     }
     check_targets(arguments, path)?;
+    let mut progress = Progress::new(arguments.quiet)?;
     let content = asset::read(path)?;
     require_space(&content, "volmap report")?;
     let mesh = mesh(arguments, path, &content)?;
     let warning = mesh.as_ref().and_then(|input| provenance::other_mesh(&content, &input.source));
     warning.iter().for_each(|warning| eprintln!("warning: {warning}"));
-    let mut progress = Progress::new(arguments.quiet);
-    let found = report(&content, mesh, &arguments.settings(), &mut |step| progress.report(step))?;
+    let found = report(&content, mesh, &arguments.settings(), &progress.watch())?;
     let files = write(arguments, path, &found)?;
     progress.finish();
     let verdict = &found.findings.verdict;

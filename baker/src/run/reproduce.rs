@@ -25,10 +25,11 @@ pub fn run_reproduce(arguments: &ReproduceArguments) -> Result<()> {
         }
         settings.dragon.mesh = Some(input::load(path, &InputSettings::default())?);
     }
-    let mut progress = Progress::new(arguments.quiet);
+    let mut progress = Progress::new(arguments.quiet)?;
+    let watch = progress.watch();
     let mut finished = Vec::new();
     for experiment in chosen {
-        finished.push(experiment.finish(|run| run(&settings, &mut |step| progress.reproduce(step)))?);
+        finished.push(experiment.finish(|run| run(&settings, &watch))?);
     }
     progress.finish();
     let mut out = io::stdout().lock();

@@ -2,6 +2,7 @@
 
 use crate::args::slice::SliceArguments;
 use crate::is_same_file;
+use crate::progress::Progress;
 use anyhow::{Result, bail};
 use std::path::PathBuf;
 use volmap_bake::area_map::require_space;
@@ -20,6 +21,7 @@ pub fn run_slice(arguments: &SliceArguments) -> Result<()> {
         }
         asset::check_target(target)?;
     }
+    let mut progress = Progress::new(false)?;
     let content = asset::read(&arguments.asset)?;
     require_space(&content, "volmap slice")?;
     let input = match &arguments.mesh {
@@ -30,7 +32,8 @@ pub fn run_slice(arguments: &SliceArguments) -> Result<()> {
     warning.iter().for_each(|warning| eprintln!("warning: {warning}"));
     let map = VolumeMap::from_asset(&content)?;
     let mesh = input.as_ref().map(|input| slice::NamedMesh { mesh: &input.mesh, name: &input.source.file });
-    let slice = slice::slice(&map, &arguments.settings(), mesh)?;
+    let slice = slice::slice(&map, &arguments.settings(), mesh, &progress.watch())?;
+    progress.finish();
     asset::publish(&arguments.output, &slice.figure.to_png())?;
     if let Some(path) = &arguments.csv {
         let mut table = Vec::new();

@@ -83,7 +83,7 @@ pub fn bake_made(mesh: TriangleMesh, map: Settings) -> Result<Bake, Error> {
         weld_tolerance: 0.0,
     };
     let settings = BakeSettings { map, ..BakeSettings::default() };
-    Ok(bake(input, &settings, &mut |_| (), &mut |_| ())?)
+    Ok(bake(input, &settings, &Default::default())?)
 }
 
 /// A box between two corners.

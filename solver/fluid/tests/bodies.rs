@@ -51,7 +51,7 @@ fn thing(mesh: &TriangleMesh, invert: bool, resolution: [u32; 3]) -> Thing {
         ..Settings::default()
     };
     let settings = BakeSettings { map, ..BakeSettings::default() };
-    let asset = bake(input, &settings, &mut |_| (), &mut |_| ()).unwrap().asset;
+    let asset = bake(input, &settings, &Default::default()).unwrap().asset;
     Thing { mesh: Arc::new(mesh.clone()), map: Arc::new(VolumeMap::from_asset(&asset).unwrap()) }
 }
 

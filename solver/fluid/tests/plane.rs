@@ -32,7 +32,9 @@ fn tank_for(closure: ClosureKind) -> Shape {
         invert: true,
         ..AreaSettings::default()
     };
-    let map = VolumeMap::from_asset(&bake(phi.bounds(), &|x| phi.at(x), &settings).unwrap()).unwrap();
+    let map =
+        VolumeMap::from_asset(&bake(phi.bounds(), &|x| phi.at(x), &settings, &Default::default()).unwrap())
+            .unwrap();
     let mesh = cuboid(DVec3::new(0.0, 0.0, -1.0), DVec3::new(WIDTH, 1.0, 1.0));
     Shape { mesh: Arc::new(mesh), map: Arc::new(map) }
 }

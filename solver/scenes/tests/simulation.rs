@@ -2,6 +2,7 @@
 
 use std::path::Path;
 use volmap_bake::parameters::{Parameters, Scale};
+use volmap_bake::random::Random;
 use volmap_fluid::Error;
 use volmap_fluid::particles::Particles;
 use volmap_fluid::simulation::{Setup, Simulation};
@@ -125,11 +126,8 @@ fn particles_in_a_body_come_back_calmly() {
 #[test]
 fn viscosity_calms_even_where_it_bounds_the_step() {
     let mut setup = setup(&scene(vec![]));
-    let mut state = 1_u32;
-    let mut random = || {
-        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (state >> 8) as f32 / (1 << 24) as f32 - 0.5
-    };
+    let mut generator = Random::new(1);
+    let mut random = || generator.unit() as f32 - 0.5;
     let places = block(DVec3::ZERO, [9, 8, 7]);
     let velocities: Vec<[f32; 3]> = places.iter().map(|_| [(); 3].map(|()| 0.1 * random())).collect();
     setup.particles = fluid(&places, |i| velocities[i]);

@@ -3,7 +3,8 @@
 use super::{AreaSettings, bake};
 use crate::error::Error;
 use crate::input::Source;
-use crate::plan::{GridChoice, Precision};
+use crate::settings::{GridChoice, Precision};
+use crate::watch::Watch;
 use glam::DVec2;
 use std::path::Path;
 use volmap_formats::asset::{Asset, Attributes, Value};
@@ -75,12 +76,17 @@ impl OutlineDistance {
 /// Bakes the outline in an OBJ file.
 ///
 /// # Errors
-/// A file that can't be read or is no outline; settings that can't be used with it.
-pub fn bake_file(path: &Path, placement: OutlinePlacement, settings: &AreaSettings) -> Result<Asset, Error> {
+/// A file that can't be read or is no outline; settings that can't be used with it; cancelled.
+pub fn bake_file(
+    path: &Path,
+    placement: OutlinePlacement,
+    settings: &AreaSettings,
+    watch: &Watch,
+) -> Result<Asset, Error> {
     let bytes = mesh::read_bytes(path)?;
     let outline = placed(parse_outline(path, &bytes)?, placement)?;
     let phi = OutlineDistance::new(&outline, settings.invert, settings.thickness);
-    let asset = bake(phi.bounds(), &|x| phi.at(x), settings)?;
+    let asset = bake(phi.bounds(), &|x| phi.at(x), settings, watch)?;
     let source = Source {
         file: path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
         format: "obj".into(),

@@ -4,14 +4,17 @@
 //! (175 s, 0.3 s) and 200 times the memory (78.2 MB, 392 KB). [`paper_bytes`] gives these sizes.
 
 use super::{DensitySettings, compute_density};
+use crate::clock::Clock;
 use crate::error::Error;
-use crate::maps::{Stage, compute_maps};
+use crate::input::bounds;
+use crate::maps::compute_maps;
 use crate::mesh::{Prepared, prepare};
-use crate::plan::{Extent, GridChoice, Settings, plan};
+use crate::plan::{Extent, plan};
 use crate::sdf::{BoundaryDistance, MeshDistance, SignMethod};
+use crate::settings::{GridChoice, Settings};
+use crate::stage::Stage;
 use crate::volume_map::quadrature::Rule;
-use glam::DVec3;
-use std::time::Instant;
+use crate::watch::Watch;
 use volmap_formats::mesh::TriangleMesh;
 
 /// What one kind of map costs.
@@ -58,42 +61,33 @@ pub fn unit_cube() -> TriangleMesh {
 /// Computes both kinds of map of a mesh on one grid, and what each costs; a density must be in the settings.
 ///
 /// # Errors
-/// As [`plan`] and [`compute_maps`]; no density in the settings.
-pub fn measure(mesh: &TriangleMesh, settings: &Settings) -> Result<Costs, Error> {
+/// As [`plan`] and [`compute_maps`]; cancelled; no density in the settings.
+pub fn measure(mesh: &TriangleMesh, settings: &Settings, watch: &Watch) -> Result<Costs, Error> {
     let no_density = || Error::setting("density", "is needed for its cost");
     let density = settings.density.as_ref().ok_or_else(no_density)?;
     let mut mesh = mesh.clone();
     let Prepared { diagnosis, .. } = prepare(&mut mesh, false);
-    let corners = || mesh.vertices.iter().map(|&v| DVec3::from(v));
-    let (min, max) =
-        (corners().fold(DVec3::INFINITY, DVec3::min), corners().fold(-DVec3::INFINITY, DVec3::max));
+    let [min, max] = bounds(&mesh);
     let plan = plan(&Extent { min, max, area: diagnosis.area }, settings)?;
     let phi = BoundaryDistance {
         mesh: MeshDistance::new(&mesh, SignMethod::Auto, &diagnosis),
         invert: settings.invert,
         thickness: settings.thickness,
     };
-    let start = Instant::now();
-    let mut volume_start = start;
-    let mut enter = |stage: Stage| {
-        if let Stage::Volume(_) = stage {
-            volume_start = Instant::now();
-        }
-    };
-    let maps = compute_maps(&plan, settings.rule, &phi, &mut enter)?;
-    let density_start = Instant::now();
-    compute_density(&plan, density, &phi, &maps, &mut |_| ())?;
-    let distance = (volume_start - start).as_secs_f64();
+    let clock = Clock::default();
+    let watch = &clock.beside(watch);
+    let maps = compute_maps(&plan, settings.rule, &phi, watch)?;
+    compute_density(&plan, density, &phi, &maps, watch)?;
+    clock.stop();
+    let seconds = |stages: &[Stage]| stages.iter().map(|stage| clock.seconds_of(*stage)).sum::<f64>();
+    let distance = seconds(&[Stage::Band, Stage::Distance]);
     let bytes = 2 * settings.precision.bytes() * maps.nodes.count() as u64;
     let cost = |own: f64| Cost {
         seconds: distance + own,
         bytes,
         paper_bytes: paper_bytes(plan.grid.resolution.to_array()),
     };
-    Ok(Costs {
-        volume: cost((density_start - volume_start).as_secs_f64()),
-        density: cost(density_start.elapsed().as_secs_f64()),
-    })
+    Ok(Costs { volume: cost(seconds(&[Stage::Volume])), density: cost(seconds(&[Stage::Density])) })
 }
 
 /// Bytes of a map of two fields in the paper's program, every cell stored: per field 8 a node, 32 numbers of 4 a cell for
@@ -120,10 +114,11 @@ mod tests {
     #[test]
     fn both_kinds_are_computed_on_the_unit_cube() {
         let settings = Settings { rule: Rule::Chord(4), ..paper_settings(10) };
-        let costs = measure(&unit_cube(), &settings).unwrap();
+        let costs = measure(&unit_cube(), &settings, &Watch::default()).unwrap();
         assert_eq!(costs.volume.bytes, costs.density.bytes);
         assert!(costs.volume.bytes > 0 && costs.volume.bytes < costs.volume.paper_bytes);
-        let error = measure(&unit_cube(), &Settings { density: None, ..settings }).unwrap_err();
+        let error =
+            measure(&unit_cube(), &Settings { density: None, ..settings }, &Watch::default()).unwrap_err();
         assert!(error.to_string().contains("density"), "{error}");
     }
 }

@@ -116,8 +116,8 @@ fn consistent_flips(
     repair: &mut OrientationRepair,
 ) -> Option<Vec<bool>> {
     let Patches { label, count, flip } = patches;
-    let (before, after) = inconsistent_edges(topology, patches);
-    if before.iter().all(|&edges| edges == 0) {
+    let inconsistent = inconsistent_edges(topology, patches);
+    if inconsistent.before.iter().all(|&edges| edges == 0) {
         return None;
     }
     let mut size = vec![0usize; *count];
@@ -128,10 +128,10 @@ fn consistent_flips(
     }
     let flip = label.iter().zip(flip).map(|(&patch, flip)| {
         let patch = patch as usize;
-        let no_gain = before[patch] <= after[patch];
+        let no_gain = inconsistent.before[patch] <= inconsistent.after[patch];
         !no_gain && (flip ^ (2 * flipped[patch] > size[patch]))
     });
-    count_repairs(mesh, label, (&before, &after), repair);
+    count_repairs(mesh, label, &inconsistent, repair);
     Some(flip.collect())
 }
 
@@ -139,7 +139,7 @@ fn consistent_flips(
 fn count_repairs(
     mesh: &TriangleMesh,
     label: &[u32],
-    (before, after): (&[usize], &[usize]),
+    InconsistentEdges { before, after }: &InconsistentEdges,
     repair: &mut OrientationRepair,
 ) {
     let mut seen = vec![false; before.len()];
@@ -159,8 +159,13 @@ fn count_repairs(
     }
 }
 
-/// For each patch, the edges whose faces disagree: as they are, and after the flips.
-fn inconsistent_edges(topology: &Topology, patches: &Patches) -> (Vec<usize>, Vec<usize>) {
+/// For each patch, the number of edges whose faces disagree: as they are, and after the flips.
+struct InconsistentEdges {
+    before: Vec<usize>,
+    after: Vec<usize>,
+}
+
+fn inconsistent_edges(topology: &Topology, patches: &Patches) -> InconsistentEdges {
     let Patches { label, count, flip } = patches;
     let mut before = vec![0; *count];
     let mut after = vec![0; *count];
@@ -172,7 +177,7 @@ fn inconsistent_edges(topology: &Topology, patches: &Patches) -> (Vec<usize>, Ve
             after[patch] += usize::from(disagree ^ flip[a.face()] ^ flip[b.face()]);
         }
     }
-    (before, after)
+    InconsistentEdges { before, after }
 }
 
 /// Closed patches to turn: those of negative volume that lie in no other, and all that lies in them.

@@ -1,6 +1,7 @@
 use super::*;
 use crate::bake::bake;
 use crate::input::from_bytes;
+use crate::watch::Watch;
 use std::collections::BTreeSet;
 
 /// A tetrahedron whose triangles don't all run the same way round.
@@ -56,7 +57,7 @@ fn asset(parameters: &Parameters) -> (Attributes, Attributes, Vec<u8>) {
     );
     let recipe = parameters.over(&coarse.unwrap()).recipe();
     let input = from_bytes("t.obj".as_ref(), TETRAHEDRON, &recipe.input).unwrap();
-    let asset = bake(input, &recipe.bake, &mut |_| (), &mut |_| ()).unwrap().asset;
+    let asset = bake(input, &recipe.bake, &Watch::default()).unwrap().asset;
     let bytes = volmap_formats::asset::encode(&asset, recipe.compression).unwrap();
     (asset.bake, asset.diagnosis, bytes)
 }

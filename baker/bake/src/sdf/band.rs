@@ -6,7 +6,7 @@
 
 use super::boundary_distance::SignedDistance;
 use super::mesh_distance::{KnownDistance, Neighbours};
-use crate::work::Work;
+use crate::watch::{Cancelled, Work};
 use glam::{DVec3, UVec3};
 use rayon::prelude::*;
 use volmap_formats::asset::CellRun;
@@ -35,10 +35,34 @@ const REFINEMENTS: u32 = 2;
 
 /// Finds the band of half width `width` (metres) of the signed distance `phi`, which must be 1-Lipschitz where it
 /// doesn't change its sign. Cells that are decided count as work.
-pub fn find_band(grid: &Grid, width: f64, phi: &impl SignedDistance, work: &Work) -> BandCells {
+///
+/// # Errors
+/// [`Cancelled`].
+pub fn find_band(
+    grid: &Grid,
+    width: f64,
+    phi: &impl SignedDistance,
+    work: &Work,
+) -> Result<BandCells, Cancelled> {
     let search = Search { grid, width, phi, work };
-    let found = search.block((UVec3::ZERO, grid.resolution), None, &mut Neighbours::default());
-    BandCells { band: joined(found.band), solid: joined(found.solid) }
+    let whole = Block { low: UVec3::ZERO, high: grid.resolution };
+    let found = search.block(whole, None, &mut Neighbours::default());
+    work.check()?;
+    Ok(BandCells { band: joined(found.band), solid: joined(found.solid) })
+}
+
+/// Cells from `low` to before `high`.
+#[derive(Clone, Copy)]
+struct Block {
+    low: UVec3,
+    high: UVec3,
+}
+
+/// A box in space, metres.
+#[derive(Clone, Copy)]
+struct Span {
+    center: DVec3,
+    half: DVec3,
 }
 
 struct Search<'a, D> {
@@ -49,30 +73,23 @@ struct Search<'a, D> {
 }
 
 impl<D: SignedDistance> Search<'_, D> {
-    fn block(
-        &self,
-        (low, high): (UVec3, UVec3),
-        mut known: Option<KnownDistance>,
-        near: &mut Neighbours,
-    ) -> BandCells {
+    fn block(&self, block: Block, mut known: Option<KnownDistance>, near: &mut Neighbours) -> BandCells {
         let mut cells = BandCells::default();
-        let half = 0.5 * (self.grid.cell_corner(high) - self.grid.cell_corner(low));
-        let center = self.center(low, high);
-        let size = self.phi.size_near(center, &mut known);
-        // Rounding of the corners must not hide a touching cell.
-        let reach = half.length() * (1.0 + 1e-9);
-        let is_cell = high - low == UVec3::ONE;
+        let span = self.span(block);
+        let size = self.phi.size_near(span.center, &mut known);
+        let reach = span.reach();
+        let is_cell = block.high - block.low == UVec3::ONE;
         let beyond = size - reach > self.width;
-        if beyond || is_cell && !self.touches((center, half), (size, known), REFINEMENTS, near) {
-            self.work.add((high - low).as_u64vec3().element_product());
-            if self.phi.near(center, &mut known) < 0.0 {
-                push_box(low, high, &mut cells.solid);
+        if beyond || is_cell && !self.touches(span, size, known, REFINEMENTS, near) {
+            self.work.add(block.count());
+            if self.phi.near(span.center, &mut known) < 0.0 {
+                block.push_to(&mut cells.solid);
             }
         } else if is_cell || size + reach <= self.width {
-            self.work.add((high - low).as_u64vec3().element_product());
-            push_box(low, high, &mut cells.band);
-        } else {
-            for part in self.parts((low, high), known, near) {
+            self.work.add(block.count());
+            block.push_to(&mut cells.band);
+        } else if !self.work.is_cancelled() {
+            for part in self.parts(block, known, near) {
                 cells.band.extend(part.band);
                 cells.solid.extend(part.solid);
             }
@@ -81,18 +98,13 @@ impl<D: SignedDistance> Search<'_, D> {
     }
 
     /// The cells of the blocks that a block is split into, whose centres are asked together.
-    fn parts(
-        &self,
-        (low, high): (UVec3, UVec3),
-        known: Option<KnownDistance>,
-        near: &mut Neighbours,
-    ) -> Vec<BandCells> {
-        let parts = octants(low, high);
-        let centers: Vec<DVec3> = parts.iter().map(|&(low, high)| self.center(low, high)).collect();
+    fn parts(&self, block: Block, known: Option<KnownDistance>, near: &mut Neighbours) -> Vec<BandCells> {
+        let parts = block.octants();
+        let centers: Vec<DVec3> = parts.iter().map(|&part| self.span(part).center).collect();
         near.know(known);
         self.phi.prepare(&centers, near, false);
         let parts: Vec<_> = parts.into_iter().zip(near.known).collect();
-        match (high - low).max_element() > TASK_CELLS {
+        match (block.high - block.low).max_element() > TASK_CELLS {
             true => {
                 let parts = parts.into_par_iter();
                 parts
@@ -103,62 +115,79 @@ impl<D: SignedDistance> Search<'_, D> {
         }
     }
 
-    fn center(&self, low: UVec3, high: UVec3) -> DVec3 {
-        0.5 * (self.grid.cell_corner(low) + self.grid.cell_corner(high))
+    fn span(&self, block: Block) -> Span {
+        let [low, high] = [block.low, block.high].map(|corner| self.grid.cell_corner(corner));
+        Span { center: 0.5 * (low + high), half: 0.5 * (high - low) }
     }
 
-    /// Whether a box (centre, half size) has a point in the band; `size` is |Phi| at the centre.
+    /// Whether a box has a point in the band; `size` is |Phi| at its centre.
     fn touches(
         &self,
-        (center, half): (DVec3, DVec3),
-        (size, known): (f64, Option<KnownDistance>),
+        span: Span,
+        size: f64,
+        known: Option<KnownDistance>,
         refinements: u32,
         near: &mut Neighbours,
     ) -> bool {
-        let reaches = |known| self.phi.reaches(known, center, half, self.width);
+        let reaches = |known| self.phi.reaches(known, span.center, span.half, self.width);
         if size <= self.width || known.as_ref().is_some_and(reaches) {
             return true;
         }
-        if size - half.length() * (1.0 + 1e-9) > self.width {
+        if size - span.reach() > self.width {
             return false;
         }
         if refinements == 0 {
             return true;
         }
-        let part = |octant: usize| {
-            let side = |axis: u32| if octant >> axis & 1 == 0 { -0.5 } else { 0.5 };
-            center + half * DVec3::new(side(0), side(1), side(2))
-        };
-        let parts = [0, 1, 2, 3, 4, 5, 6, 7].map(part);
+        let parts = [0, 1, 2, 3, 4, 5, 6, 7].map(|octant| span.octant(octant));
         near.know(known);
-        self.phi.prepare(&parts, near, false);
+        self.phi.prepare(&parts.map(|part| part.center), near, false);
         parts.into_iter().zip(near.known).any(|(part, mut known)| {
-            let size = self.phi.size_near(part, &mut known);
-            self.touches((part, 0.5 * half), (size, known), refinements - 1, near)
+            let size = self.phi.size_near(part.center, &mut known);
+            self.touches(part, size, known, refinements - 1, near)
         })
     }
 }
 
-/// The halves of a block along every axis that has more than one cell.
-fn octants(low: UVec3, high: UVec3) -> Vec<(UVec3, UVec3)> {
-    let middle = low + (high - low + 1) / 2;
-    let mut parts = vec![(low, high)];
-    for axis in (0..3).filter(|&axis| high[axis] - low[axis] > 1) {
-        let halves = |(low, high): (UVec3, UVec3)| {
-            let (mut upper_low, mut lower_high) = (low, high);
-            upper_low[axis] = middle[axis];
-            lower_high[axis] = middle[axis];
-            [(low, lower_high), (upper_low, high)]
-        };
-        parts = parts.into_iter().flat_map(halves).collect();
+impl Span {
+    /// From the centre to the corners, and a little more: rounding of the corners must not hide a touching cell.
+    fn reach(&self) -> f64 {
+        self.half.length() * (1.0 + 1e-9)
     }
-    parts
+
+    fn octant(&self, octant: usize) -> Span {
+        let side = |axis: u32| if octant >> axis & 1 == 0 { -0.5 } else { 0.5 };
+        let center = self.center + self.half * DVec3::new(side(0), side(1), side(2));
+        Span { center, half: 0.5 * self.half }
+    }
 }
 
-fn push_box(low: UVec3, high: UVec3, runs: &mut Vec<CellRun>) {
-    for k in low.z..high.z {
-        for j in low.y..high.y {
-            runs.push(CellRun { i: low.x, j, k, len: high.x - low.x });
+impl Block {
+    fn count(self) -> u64 {
+        (self.high - self.low).as_u64vec3().element_product()
+    }
+
+    /// The halves along every axis that has more than one cell.
+    fn octants(self) -> Vec<Block> {
+        let middle = self.low + (self.high - self.low + 1) / 2;
+        let mut parts = vec![self];
+        for axis in (0..3).filter(|&axis| self.high[axis] - self.low[axis] > 1) {
+            let halves = |part: Block| {
+                let (mut lower, mut upper) = (part, part);
+                lower.high[axis] = middle[axis];
+                upper.low[axis] = middle[axis];
+                [lower, upper]
+            };
+            parts = parts.into_iter().flat_map(halves).collect();
+        }
+        parts
+    }
+
+    fn push_to(self, runs: &mut Vec<CellRun>) {
+        for k in self.low.z..self.high.z {
+            for j in self.low.y..self.high.y {
+                runs.push(CellRun { i: self.low.x, j, k, len: self.high.x - self.low.x });
+            }
         }
     }
 }

@@ -39,6 +39,28 @@ impl<F: Fn(DVec3) -> f64 + Sync> SignedDistance for F {
     }
 }
 
+/// Any signed distance, inverted and moved as a mesh's is.
+#[derive(Clone, Copy, Debug)]
+pub struct ChangedDistance<'a, D> {
+    /// The distance.
+    pub phi: &'a D,
+    /// Solid and fluid change places.
+    pub invert: bool,
+    /// The surface moves outwards from the solid by this, metres.
+    pub thickness: f64,
+}
+
+impl<D: SignedDistance> SignedDistance for ChangedDistance<'_, D> {
+    fn near(&self, point: DVec3, known: &mut Option<KnownDistance>) -> f64 {
+        let phi = self.phi.near(point, known);
+        (if self.invert { -phi } else { phi }) - self.thickness
+    }
+
+    fn prepare(&self, points: &[DVec3], known: &mut Neighbours, _signed: bool) {
+        self.phi.prepare(points, known, true);
+    }
+}
+
 /// Distance to the boundary that the fluid sees.
 #[derive(Clone, Debug)]
 pub struct BoundaryDistance {

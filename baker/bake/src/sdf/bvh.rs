@@ -2,24 +2,20 @@
 //!
 //! Four children a node, each a cache line with a box in single precision that is turned along the surface
 //! (`oriented_box`); up to four triangles a leaf, in single and double precision. Points that lie close together search
-//! together (`packet`). Boxes are enlarged and search radii are rounded up by more than they can err, so that single
+//! together (`packet`). `bvh_build` builds the tree, `bvh_query` searches it. Boxes are enlarged and search radii are rounded up by more than they can err, so that single
 //! precision costs a few visits, never a wrong answer.
 
-use glam::DVec3;
-
-use crate::sdf::bvh_build;
-use crate::sdf::closest_point::{Closest, Feature, TriangleBlock, TrianglePoint, closest_point_on_triangle};
+use crate::sdf::closest_point::TriangleBlock;
 use crate::sdf::coarse_block::CoarseBlock;
-use crate::sdf::lanes::LANES;
+use crate::sdf::frame::Frame;
 use crate::sdf::oriented_box::OrientedBox;
-use crate::sdf::packet::{Packet, Search};
 
 /// Marks a child that is a leaf; the other bits are the index of its block.
 pub(crate) const LEAF: u32 = 1 << 31;
 /// Levels of nodes at most, which `bvh_build` guarantees.
 pub(crate) const MAX_DEPTH: usize = 40;
-/// Beyond this distance, in sizes of the mesh, boxes in single precision tell nothing any more.
-const FAR: f32 = 1e12;
+/// Instead of a child.
+pub(crate) const NO_CHILD: u32 = u32::MAX;
 
 /// A part of the tree.
 #[derive(Clone, Copy, Debug)]
@@ -48,142 +44,4 @@ pub struct Bvh {
     /// For each node and child, the blocks below it, first and past the last; both 0 where there is no child.
     pub(crate) ranges: Vec<[(u32, u32); 4]>,
     pub(crate) frame: Frame,
-}
-
-const NOTHING: u32 = u32::MAX;
-const NOTHING_FOUND: Closest =
-    Closest { distance_squared: f64::INFINITY, point: DVec3::NAN, triangle: NOTHING, feature: Feature::Face };
-
-impl Bvh {
-    /// Builds the tree over triangles of finite coordinates, of which there must be at least one.
-    pub fn new(triangles: &[[DVec3; 3]]) -> Bvh {
-        bvh_build::build(triangles)
-    }
-
-    /// Point closest to `p`. `upper_bound` is a distance that is known not to be exceeded, such as
-    /// a neighbour's distance plus the way from it, or infinity; one that is too small costs time only.
-    pub fn closest(&self, p: DVec3, upper_bound: f64) -> Closest {
-        self.closest_to_each(&[p], &[upper_bound; LANES], &mut Search::default())[0]
-    }
-
-    /// The points closest to each of up to [`LANES`] points, of which there must be at least one: `closest` of each,
-    /// faster together the closer they are to each other. Only as many are set.
-    pub(crate) fn closest_to_each(
-        &self,
-        points: &[DVec3],
-        upper_bounds: &[f64; LANES],
-        search: &mut Search,
-    ) -> [Closest; LANES] {
-        let mut best = [NOTHING_FOUND; LANES];
-        for (best, bound) in best.iter_mut().zip(upper_bounds) {
-            best.distance_squared = bound * bound * (1.0 + 1e-9);
-        }
-        let is_far = |p: &DVec3| self.frame.local(*p).iter().any(|x| x.is_nan() || x.abs() > FAR);
-        if points.iter().any(is_far) {
-            points.iter().zip(&mut best).for_each(|(p, best)| *best = self.closest_of_all(*p));
-            return best;
-        }
-        self.search(points, search, &mut best);
-        for (p, best) in points.iter().zip(&mut best).filter(|(_, best)| best.triangle == NOTHING) {
-            let mut again = [NOTHING_FOUND; LANES];
-            self.search(&[*p], search, &mut again);
-            *best = if again[0].triangle == NOTHING { self.closest_of_all(*p) } else { again[0] };
-        }
-        best
-    }
-
-    /// The closest triangles within the bounds, if there are any.
-    fn search(&self, points: &[DVec3], search: &mut Search, best: &mut [Closest; LANES]) {
-        let mut packet = self.packet(points, best);
-        search.start();
-        while search.go_on(self, &mut packet) {
-            self.close(points, search, best);
-        }
-        self.close(points, search, best);
-    }
-
-    /// The points in the frame of the tree; lanes to spare hold the last.
-    fn packet(&self, points: &[DVec3], best: &[Closest; LANES]) -> Packet {
-        let mut packet = Packet::default();
-        for lane in 0..LANES {
-            let from = lane.min(points.len() - 1);
-            let local = self.frame.local(points[from]);
-            let slack = Frame::slack(local);
-            (0..3).for_each(|axis| packet.points[axis].0[lane] = local[axis]);
-            packet.radius.0[lane] = self.frame.radius(best[from].distance_squared, slack);
-            packet.slack.0[lane] = slack as f32;
-        }
-        packet
-    }
-
-    /// Looks at the triangles of the open leaves that may be the closest, in double precision.
-    fn close(&self, points: &[DVec3], search: &mut Search, best: &mut [Closest; LANES]) {
-        for leaf in search.open.drain(..) {
-            for (place, mut bits) in leaf.candidates.into_iter().enumerate() {
-                // Lanes to spare repeat the last point.
-                bits &= (1 << points.len()) - 1;
-                while bits != 0 {
-                    let lane = bits.trailing_zeros() as usize;
-                    bits &= bits - 1;
-                    self.visit(leaf.block as usize, place, points[lane], &mut best[lane]);
-                }
-            }
-        }
-    }
-
-    /// Takes the point of a triangle if none before was closer.
-    #[inline]
-    fn visit(&self, block: usize, place: usize, p: DVec3, best: &mut Closest) {
-        let corners = self.blocks[block].corners().map(|corner| corner.lane(place));
-        let triangle = self.ids[block][place];
-        let TrianglePoint { distance_squared, point, feature } = closest_point_on_triangle(p, &corners);
-        let closer = distance_squared < best.distance_squared;
-        if closer || distance_squared == best.distance_squared && triangle < best.triangle {
-            *best = Closest { distance_squared, point, triangle, feature };
-        }
-    }
-
-    /// For points so far away that the tree cannot help, or that are not numbers.
-    fn closest_of_all(&self, p: DVec3) -> Closest {
-        let mut best = NOTHING_FOUND;
-        for block in 0..self.blocks.len() {
-            (0..4).for_each(|place| self.visit(block, place, p, &mut best));
-        }
-        if best.triangle == NOTHING {
-            // Nothing is closer than infinity.
-            let corners = self.blocks[0].corners().map(|corner| corner.lane(0));
-            let TrianglePoint { distance_squared, point, feature } = closest_point_on_triangle(p, &corners);
-            best = Closest { distance_squared, point, triangle: self.ids[0][0], feature };
-        }
-        best
-    }
-}
-
-/// The tree's frame: a point x of the mesh is at (x - centre) * scale.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Frame {
-    pub centre: DVec3,
-    /// A power of two, so that scaling is exact.
-    pub scale: f64,
-}
-
-impl Frame {
-    pub fn local(&self, p: DVec3) -> [f32; 3] {
-        ((p - self.centre) * self.scale).to_array().map(|x| x as f32)
-    }
-
-    /// By how much a distance in the frame can be too long in single precision, other than relatively:
-    /// the query point is rounded by half a unit in its last place.
-    fn slack(local: [f32; 3]) -> f64 {
-        let size = local[0].abs().max(local[1].abs()).max(local[2].abs());
-        2e-7 * f64::from(size) + 1e-15
-    }
-
-    /// Search radius in the frame, rounded up by more than a box test can err. Its square is finite, so
-    /// that an empty box, at infinity, is beyond it.
-    #[inline]
-    fn radius(&self, distance_squared: f64, slack: f64) -> f32 {
-        let radius = (distance_squared.sqrt() * self.scale + slack) * (1.0 + 1e-6);
-        (radius as f32).min(1.8e19)
-    }
 }

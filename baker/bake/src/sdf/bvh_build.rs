@@ -10,9 +10,10 @@ use glam::DVec3;
 use rayon::prelude::*;
 use wide::f32x4;
 
-use crate::sdf::bvh::{Bvh, Child, Frame, LEAF, MAX_DEPTH, Node};
+use crate::sdf::bvh::{Bvh, Child, LEAF, MAX_DEPTH, NO_CHILD, Node};
 use crate::sdf::closest_point::TriangleBlock;
 use crate::sdf::coarse_block::CoarseBlock;
+use crate::sdf::frame::Frame;
 use crate::sdf::oriented_box::OrientedBox;
 
 const BINS: usize = 16;
@@ -50,10 +51,14 @@ struct Subtree {
     leaf_sizes: Vec<u8>,
 }
 
-/// Instead of a child.
-pub(crate) const NO_CHILD: u32 = u32::MAX;
+impl Bvh {
+    /// Builds the tree over triangles of finite coordinates, of which there must be at least one.
+    pub fn new(triangles: &[[DVec3; 3]]) -> Bvh {
+        build(triangles)
+    }
+}
 
-pub(crate) fn build(triangles: &[[DVec3; 3]]) -> Bvh {
+fn build(triangles: &[[DVec3; 3]]) -> Bvh {
     assert!(!triangles.is_empty(), "a tree needs a triangle");
     let frame = frame_of(triangles);
     let item = |(i, triangle)| Item { bounds: local_bounds(triangle, &frame), triangle: i as u32 };

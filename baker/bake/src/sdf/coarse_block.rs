@@ -9,8 +9,8 @@
 
 use glam::DVec3;
 
-use crate::sdf::bvh::Frame;
 use crate::sdf::closest_point::TriangleBlock;
+use crate::sdf::frame::Frame;
 use crate::sdf::lanes::Lanes;
 
 /// Triangles whose height is less than this part of their longest edge are taken as their edges.

@@ -5,7 +5,7 @@ use super::boundary_distance::SignedDistance;
 use super::mesh_distance::Neighbours;
 use super::sides::set_signs;
 use crate::rows::{RowCluster, fill_clusters};
-use crate::work::Work;
+use crate::watch::{Cancelled, Work};
 use glam::DVec3;
 use volmap_formats::asset::Exterior;
 use volmap_runtime::Grid;
@@ -45,7 +45,8 @@ impl DistanceField {
         exterior: Exterior,
         phi: &impl SignedDistance,
     ) -> DistanceField {
-        let values = values(&grid, nodes, phi, &Work::new(0));
+        let values = values(&grid, nodes, phi, &Work::default());
+        let values = values.unwrap_or_else(|Cancelled| unreachable!("nobody has the request"));
         let cells = CellIndex::new(grid.resolution, &cells.band, &cells.solid, nodes);
         DistanceField { grid, cells, values, exterior }
     }
@@ -85,9 +86,20 @@ const LONGEST: u32 = 64;
 
 /// Phi at the nodes of a grid, in the order of their numbers; each counts as work. The nodes of a lattice point, and of
 /// the edges that begin there, are asked together.
-pub fn values(grid: &Grid, nodes: &Nodes, phi: &impl SignedDistance, work: &Work) -> Vec<f64> {
+///
+/// # Errors
+/// [`Cancelled`].
+pub fn values(
+    grid: &Grid,
+    nodes: &Nodes,
+    phi: &impl SignedDistance,
+    work: &Work,
+) -> Result<Vec<f64>, Cancelled> {
     let separate = phi.has_separate_signs();
     let fill = |near: &mut Neighbours, cluster: &mut RowCluster| {
+        if work.is_cancelled() {
+            return;
+        }
         for i in cluster.first..cluster.end {
             let (mut points, mut count) = ([DVec3::ZERO; Neighbours::MAX], 0);
             for (row, _) in cluster.rows.iter().filter(|(row, _)| row.holds(i)) {
@@ -110,8 +122,9 @@ pub fn values(grid: &Grid, nodes: &Nodes, phi: &impl SignedDistance, work: &Work
         }
     };
     let mut values = fill_clusters(nodes, LONGEST, Neighbours::default, fill);
+    work.check()?;
     if separate {
         set_signs(grid, nodes, &mut values, phi);
     }
-    values
+    Ok(values)
 }

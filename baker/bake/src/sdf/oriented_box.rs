@@ -8,9 +8,9 @@
 use glam::DVec3;
 use wide::f64x4;
 
-use crate::sdf::bvh::Frame;
 use crate::sdf::closest_point::{TriangleBlock, Vec4};
 use crate::sdf::coarse_block::in_frame;
+use crate::sdf::frame::Frame;
 use crate::sdf::lanes::Lanes;
 
 /// A part is turned along its normal if that much of its area faces it.

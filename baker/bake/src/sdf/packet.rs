@@ -9,8 +9,7 @@
 
 #[cfg(target_arch = "x86_64")]
 use crate::sdf::avx2;
-use crate::sdf::bvh::{Bvh, LEAF};
-use crate::sdf::bvh_build::NO_CHILD;
+use crate::sdf::bvh::{Bvh, LEAF, NO_CHILD};
 use crate::sdf::lanes::{Lanes, Row, Work};
 use wide::f32x8;
 

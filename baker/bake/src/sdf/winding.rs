@@ -11,8 +11,9 @@ use glam::DVec3;
 use rayon::prelude::*;
 use wide::f64x4;
 
-use crate::sdf::bvh::{Bvh, Frame, LEAF, MAX_DEPTH};
+use crate::sdf::bvh::{Bvh, LEAF, MAX_DEPTH};
 use crate::sdf::closest_point::{TriangleBlock, Vec4};
+use crate::sdf::frame::Frame;
 
 const FOUR_PI: f64 = 4.0 * std::f64::consts::PI;
 

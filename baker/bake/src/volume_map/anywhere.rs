@@ -3,6 +3,7 @@
 //! On a line along x, s = 1 - Phi / r is a cubic in each cell. The points of a rule that lie on one line and in one
 //! cell share it; cells in which gamma* is 0 or 1 everywhere need no points.
 
+use super::cell_cut::{BlockCell, cubic_on_line, surface_at};
 use super::kernel::Content;
 use super::quadrature::Point;
 use super::window::{contents, monomials_of};
@@ -11,7 +12,6 @@ use glam::{DVec3, IVec3};
 use volmap_formats::asset::Exterior;
 use volmap_runtime::layout::Cell;
 use volmap_runtime::layout::serendipity::NODES;
-use volmap_runtime::layout::serendipity::monomials::{X2, X3, Y2, Y3, Z2, Z3};
 
 /// A rule for the unit ball, as lines along x.
 #[derive(Clone, Debug)]
@@ -81,14 +81,6 @@ pub struct Block {
     monomials: Vec<[f64; NODES]>,
     /// Room for a layer of cells.
     layer: Vec<Surface>,
-}
-
-/// What a cell holds.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct BlockCell {
-    pub content: Content,
-    /// In the block's monomials, if the content is mixed.
-    pub number: u32,
 }
 
 impl<'a> Integrator<'a> {
@@ -214,17 +206,25 @@ fn integral(rule: &LineRule, block: &Block, place: DVec3, reach: DVec3, layer: &
             let j = floor(y);
             let row = (j as i32 - block.low.y) * block.size.x - block.low.x;
             let local = 2.0 * (y - j) - 1.0;
-            sum += along_line(rule, *line, (place.x, reach.x), |i| (&layer[(row + i) as usize], local));
+            let along = Along { place: place.x, reach: reach.x };
+            sum += along_line(rule, *line, along, |i| (&layer[(row + i) as usize], local));
         }
     }
     sum
+}
+
+/// Where a line of the rule lies along x, in cells: the middle, and the radius.
+#[derive(Clone, Copy)]
+struct Along {
+    place: f64,
+    reach: f64,
 }
 
 /// The same over a line, given what is in its i-th cell.
 fn along_line<'a>(
     rule: &LineRule,
     line: Line,
-    (place, reach): (f64, f64),
+    Along { place, reach }: Along,
     cell: impl Fn(i32) -> (&'a Surface, f64),
 ) -> f64 {
     let mut sum = 0.0;
@@ -240,7 +240,7 @@ fn along_line<'a>(
             (Surface::Mixed(surface), y) => {
                 let cubic = cubic_on_line(surface, y);
                 let offset = 2.0 * (place - i) - 1.0;
-                sum += on_line(&cubic, offset, 2.0 * reach, (&points[..count], &rule.weight[at..]));
+                sum += on_line(&cubic, offset, 2.0 * reach, &points[..count], &rule.weight[at..]);
             }
         }
         at += count;
@@ -255,7 +255,7 @@ pub(super) fn floor(x: f64) -> f64 {
 }
 
 /// Sum of gamma* at offset + scale x, by Eq. 13 in truncated powers (as in `kernel`).
-fn on_line([c0, c1, c2, c3]: &[f64; 4], offset: f64, scale: f64, (points, weights): (&[f64], &[f64])) -> f64 {
+fn on_line([c0, c1, c2, c3]: &[f64; 4], offset: f64, scale: f64, points: &[f64], weights: &[f64]) -> f64 {
     let (mut outer, mut inner) = (0.0, 0.0);
     for (x, weight) in points.iter().zip(weights) {
         let x = offset + scale * x;
@@ -291,31 +291,13 @@ impl Block {
     }
 }
 
-/// A cell at constant z: the coefficients of [`Surface::Mixed`].
-#[inline(always)]
-pub(super) fn surface_at(m: &[f64; NODES], z: f64) -> [f64; 12] {
-    let base = |at: usize| m[at] + z * (m[at + 4] + z * (m[Z2 + at] + z * m[Z3 + at]));
-    let low = |at: usize| m[at] + z * m[at + 2];
-    let along_y = |x: usize| [base(x), base(x + 2), low(Y2 + x), low(Y3 + x)];
-    let ([a, b, c, d], [e, f, g, h]) = (along_y(0), along_y(1));
-    [a, b, c, d, e, f, g, h, low(X2), low(X2 + 1), low(X3), low(X3 + 1)]
-}
-
-/// The coefficients of 1, x, x^2, x^3 at constant y.
-#[inline(always)]
-pub(super) fn cubic_on_line(c: &[f64; 12], y: f64) -> [f64; 4] {
-    let constant = c[0] + y * (c[1] + y * (c[2] + y * c[3]));
-    let linear = c[4] + y * (c[5] + y * (c[6] + y * c[7]));
-    [constant, linear, c[8] + y * c[9], c[10] + y * c[11]]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::sdf::band::find_band;
     use crate::volume_map::oracle;
     use crate::volume_map::quadrature::Rule;
-    use crate::work::Work;
+    use crate::watch::Work;
     use glam::UVec3;
     use volmap_runtime::Grid;
     use volmap_runtime::layout::Nodes;
@@ -330,7 +312,7 @@ mod tests {
         };
         for (exterior, invert) in [(Exterior::Fluid, 1.0), (Exterior::Solid, -1.0)] {
             let phi = |p: DVec3| invert * (p.length() - 0.8);
-            let cells = find_band(&grid, 0.5, &phi, &Work::new(0));
+            let cells = find_band(&grid, 0.5, &phi, &Work::default()).unwrap();
             let nodes = Nodes::new(grid.resolution, &cells.band).unwrap();
             let field = DistanceField::sample(grid, &cells, &nodes, exterior, &phi);
             for (radius, rule) in

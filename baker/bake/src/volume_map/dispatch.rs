@@ -6,7 +6,7 @@
 #![allow(unsafe_code)]
 
 use super::kernel::{self, Group, Lanes, Window, linear};
-use super::pixel_rows::{self, LineOnRows};
+use super::pixel_line::{self, LineOnRows};
 
 /// The kernel for a processor, for windows of up to `S` cells.
 #[derive(Clone, Copy, Debug)]
@@ -50,20 +50,20 @@ pub fn linear_kernel<const S: usize>() -> Kernel<S> {
     Kernel { accumulate: linear::accumulate, ..portable() }
 }
 
-/// [`pixel_rows::accumulate`] for this processor.
+/// [`pixel_line::accumulate`] for this processor.
 pub fn pixel_rows_kernel() -> fn(&LineOnRows, &mut [[Lanes; 2]]) {
     #[cfg(target_arch = "x86_64")]
     if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
         // SAFETY: this processor has AVX2 and FMA.
         return |line, sums| unsafe { accumulate_on_rows(line, sums) };
     }
-    pixel_rows::accumulate
+    pixel_line::accumulate
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
 fn accumulate_on_rows(line: &LineOnRows, sums: &mut [[Lanes; 2]]) {
-    pixel_rows::accumulate(line, sums)
+    pixel_line::accumulate(line, sums)
 }
 
 #[cfg(target_arch = "x86_64")]

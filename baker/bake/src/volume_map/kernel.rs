@@ -397,21 +397,12 @@ pub fn classify<const S: usize>(window: &mut Window<S>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::random::Random;
     use crate::volume_map::dispatch;
     use crate::volume_map::extension::extension;
     use glam::DVec3;
     use volmap_runtime::layout::serendipity::monomials::POWERS;
     use volmap_runtime::layout::serendipity::{node, shape};
-
-    pub struct Random(pub u64);
-
-    impl Random {
-        /// A number in [-1, 1).
-        pub fn next(&mut self) -> f64 {
-            self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (self.0 >> 33) as f64 / (1u64 << 30) as f64 - 1.0
-        }
-    }
 
     pub fn window(width: usize, value: impl Fn(usize, usize) -> f64) -> Window<24> {
         let mut window = Window { width, ..Window::default() };
@@ -430,12 +421,12 @@ mod tests {
 
     #[test]
     fn monomials_are_the_element() {
-        let mut random = Random(1);
-        let values: Vec<f64> = (0..NODES * 8).map(|_| random.next()).collect();
+        let mut random = Random::knuth(1);
+        let values: Vec<f64> = (0..NODES * 8).map(|_| random.signed()).collect();
         let mut cells = window(8, |cell, a| values[a * 8 + cell]);
         to_monomials(&mut cells);
         for _ in 0..100 {
-            let p = [random.next(), random.next(), random.next()];
+            let p = [random.signed(), random.signed(), random.signed()];
             for cell in 0..8 {
                 let shapes = shape(DVec3::from(p));
                 let expected: f64 = (0..NODES).map(|a| shapes[a] * values[a * 8 + cell]).sum();
@@ -460,17 +451,17 @@ mod tests {
 
     #[test]
     fn contents_hold_at_every_point() {
-        let mut random = Random(7);
+        let mut random = Random::knuth(7);
         let mut seen = [0; 3];
         for _ in 0..400 {
-            let (offset, size) = (3.0 * random.next() + 0.5, random.next());
-            let values: Vec<f64> = (0..NODES).map(|_| offset + 0.3 * size * random.next()).collect();
+            let (offset, size) = (3.0 * random.signed() + 0.5, random.signed());
+            let values: Vec<f64> = (0..NODES).map(|_| offset + 0.3 * size * random.signed()).collect();
             let mut cells = window(4, |_, a| values[a]);
             to_monomials(&mut cells);
             classify(&mut cells);
             seen[cells.contents[0] as usize] += 1;
             for _ in 0..50 {
-                let s = evaluate(&cells, 0, [random.next(), random.next(), random.next()]);
+                let s = evaluate(&cells, 0, [random.signed(), random.signed(), random.signed()]);
                 assert!(cells.contents[0] != Content::Zero as u8 || s <= 1e-14);
                 assert!(cells.contents[0] != Content::One as u8 || s >= 1.0 - 1e-14);
             }
@@ -481,10 +472,10 @@ mod tests {
     pub fn group(random: &mut Random) -> Group {
         let mut group = Group { step: 1, ..Group::default() };
         for plane in 0..3u32 {
-            group.planes.push((random.next(), plane + 1));
+            group.planes.push((random.signed(), plane + 1));
             for line in 0..=plane {
-                group.lines.push((random.next(), line + 1));
-                (0..=line).for_each(|_| group.points.push([random.next(), random.next() + 1.0]));
+                group.lines.push((random.signed(), line + 1));
+                (0..=line).for_each(|_| group.points.push([random.signed(), random.signed() + 1.0]));
             }
         }
         group.total = total(&group);
@@ -493,9 +484,9 @@ mod tests {
 
     #[test]
     fn accumulate_sums_the_extension_function() {
-        let mut random = Random(3);
+        let mut random = Random::knuth(3);
         let groups = [group(&mut random)];
-        let values: Vec<f64> = (0..NODES * 12).map(|_| 0.5 + 0.7 * random.next()).collect();
+        let values: Vec<f64> = (0..NODES * 12).map(|_| 0.5 + 0.7 * random.signed()).collect();
         let mut cells = window(12, |cell, a| values[a * 12 + cell]);
         to_monomials(&mut cells);
         cells.contents[3..7].fill(Content::One as u8);
@@ -530,9 +521,9 @@ mod tests {
 
     #[test]
     fn dispatched_kernel_has_the_bits_of_the_portable_one() {
-        let mut random = Random(5);
+        let mut random = Random::knuth(5);
         let groups: Vec<Group> = (0..5).map(|_| group(&mut random)).collect();
-        let values: Vec<f64> = (0..NODES * 24).map(|_| 0.5 + 0.8 * random.next()).collect();
+        let values: Vec<f64> = (0..NODES * 24).map(|_| 0.5 + 0.8 * random.signed()).collect();
         let run = |kernel: dispatch::Kernel<24>| {
             let mut cells = window(24, |cell, a| values[a * 24 + cell]);
             (kernel.to_monomials)(&mut cells);

@@ -12,7 +12,7 @@ use super::quadrature::Point;
 use super::window::{FieldWindows, contents};
 use crate::rows::{NodeRow, RowCluster, fill_clusters};
 use crate::sdf::field::DistanceField;
-use crate::work::Work;
+use crate::watch::{Cancelled, Work};
 use glam::{DVec3, IVec3, UVec3};
 use volmap_runtime::layout::{Family, Nodes};
 
@@ -87,10 +87,19 @@ impl LatticeRule {
     /// Boundary volume at every node, m^3, or its density over rest density. The nodes' lattice lies `shift` cells
     /// inside the field's grid. For the density, the field must hold all of the ball around each node that is
     /// solid. Each node counts as work.
-    pub fn integrals(&self, field: &DistanceField, nodes: &Nodes, shift: UVec3, work: &Work) -> Vec<f64> {
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn integrals(
+        &self,
+        field: &DistanceField,
+        nodes: &Nodes,
+        shift: UVec3,
+        work: &Work,
+    ) -> Result<Vec<f64>, Cancelled> {
         let contents = contents(field, self.length);
         let windows = FieldWindows { field, contents: &contents, inverse_radius: 1.0 / self.length, shift };
-        match (2 * self.reach <= WINDOW, self.extension) {
+        let integrals = match (2 * self.reach <= WINDOW, self.extension) {
             (true, Extension::Cubic) => {
                 self.integrals_by(&windows, nodes, dispatch::kernel::<WINDOW>(), work)
             }
@@ -103,7 +112,9 @@ impl LatticeRule {
             (false, Extension::Linear) => {
                 self.integrals_by(&windows, nodes, dispatch::linear_kernel::<WIDE_WINDOW>(), work)
             }
-        }
+        };
+        work.check()?;
+        Ok(integrals)
     }
 
     fn integrals_by<const S: usize>(
@@ -116,6 +127,9 @@ impl LatticeRule {
         // A window holds what the nodes reach, and whole lanes.
         let length = S - self.reach - 2 * kernel::LANES;
         fill_clusters(nodes, length as u32, Scratch::default, |scratch, cluster| {
+            if work.is_cancelled() {
+                return;
+            }
             self.cluster(windows, scratch, cluster, &kernel);
             work.add(cluster.rows.iter().map(|(_, own)| own.len() as u64).sum());
         })

@@ -8,11 +8,13 @@
 //! all lines of the same points: it is found once. On such a line s = 1 - Phi / r is a cubic in each cell, found
 //! once for all pixels of a row. [`LANES`] neighbouring rows are worked on together.
 
-use super::anywhere::{BlockCell, Integrator, LineRule, cubic_on_line, floor, surface_at};
+use super::anywhere::{Integrator, LineRule, floor};
+use super::cell_cut::{BlockCell, surface_at};
 use super::dispatch;
-use super::kernel::{Content, LANES, Lanes, Line, from_powers};
+use super::kernel::{Content, LANES, Lanes, from_powers};
+use super::pixel_line::{LineOnRows, Profile, Run};
 use super::quadrature::Point;
-use crate::work::Work;
+use crate::watch::{Cancelled, Work};
 use glam::{DVec3, IVec3};
 use rayon::prelude::*;
 use std::array::from_fn;
@@ -36,19 +38,30 @@ pub struct Pixels {
 }
 
 /// Boundary volume at the wanted pixels by a rule, m^3, row by row; elsewhere 0. Each pixel counts as work.
-pub fn volumes(integrator: &Integrator, rule: &[Point], pixels: &Pixels, work: &Work) -> Vec<f64> {
+///
+/// # Errors
+/// [`Cancelled`].
+pub fn volumes(
+    integrator: &Integrator,
+    rule: &[Point],
+    pixels: &Pixels,
+    work: &Work,
+) -> Result<Vec<f64>, Cancelled> {
     let count = pixels.along.len();
     let mut out = vec![0.0; count * pixels.across.len()];
     if out.is_empty() {
-        return out;
+        return Ok(out);
     }
     let plan = Plan::new(integrator, rule, pixels);
     let groups = out.par_chunks_mut(LANES * count).enumerate();
     groups.for_each_init(Scratch::default, |scratch, (number, out)| {
-        plan.rows(number * LANES, scratch, out);
-        work.add(out.len() as u64);
+        if !work.is_cancelled() {
+            plan.rows(number * LANES, scratch, out);
+            work.add(out.len() as u64);
+        }
     });
-    out
+    work.check()?;
+    Ok(out)
 }
 
 /// All that the rows share. Axes are the pixels' own, lengths are in cells of the grid.
@@ -70,24 +83,6 @@ struct Plan<'a> {
     first: i32,
     count: usize,
     kernel: fn(&LineOnRows, &mut [[Lanes; 2]]),
-}
-
-/// The points of lines that have them at the same places.
-struct Profile {
-    /// Places, in half cells from the pixel.
-    x: Vec<f64>,
-    /// Cell by cell, the points that fall into it.
-    runs: Vec<Run>,
-    /// Per cell of a row, where its runs begin, and the end of all.
-    starts: Vec<usize>,
-}
-
-/// Points of a line that fall into one cell.
-#[derive(Clone, Copy)]
-struct Run {
-    pixel: u32,
-    first: u32,
-    end: u32,
 }
 
 /// What a thread reuses from rows to rows.
@@ -316,98 +311,6 @@ impl Cells {
     }
 }
 
-/// A line of the rule, put on the pixels of [`LANES`] rows.
-pub struct LineOnRows<'a> {
-    /// The cells that it runs through.
-    rows: [&'a [BlockCell]; LANES],
-    /// Where in them, in [-1, 1].
-    y: [f64; LANES],
-    /// Their polynomials at this z, and the number of the first.
-    surfaces: &'a [[f64; 12]],
-    first_surface: usize,
-    profile: &'a Profile,
-    /// Of its points, and the sums of those before each.
-    weight: &'a [f64],
-    summed: &'a [f64],
-    /// Of all rows: where the pixels are, and the first cell.
-    along: &'a [f64],
-    first: f64,
-    wanted: &'a [bool],
-}
-
-/// Adds a line's weighted a^3 and (a - 1/2)_+^3 (see `kernel`) to the sums of the pixels.
-#[inline(always)]
-pub fn accumulate(line: &LineOnRows, sums: &mut [[Lanes; 2]]) {
-    let profile = line.profile;
-    for column in 0..profile.starts.len() - 1 {
-        let runs = &profile.runs[profile.starts[column]..profile.starts[column + 1]];
-        let (mut zeros, mut ones) = (0, 0);
-        for row in line.rows {
-            zeros += (row[column].content == Content::Zero) as usize;
-            ones += (row[column].content == Content::One) as usize;
-        }
-        if zeros == LANES || runs.is_empty() {
-            continue;
-        }
-        if ones == LANES {
-            add_full(line, runs, sums);
-        } else {
-            add_mixed(line, column, runs, sums);
-        }
-    }
-}
-
-/// gamma* = 1 = 2 a^3 - 8 (a - 1/2)^3, which 1/2 and 0 give as well.
-#[inline(always)]
-fn add_full(line: &LineOnRows, runs: &[Run], sums: &mut [[Lanes; 2]]) {
-    for run in runs {
-        let half = 0.5 * (line.summed[run.end as usize] - line.summed[run.first as usize]);
-        let [outer, _] = &mut sums[run.pixel as usize];
-        for lane in 0..LANES {
-            outer.0[lane] += half;
-        }
-    }
-}
-
-#[inline(always)]
-fn add_mixed(line: &LineOnRows, column: usize, runs: &[Run], sums: &mut [[Lanes; 2]]) {
-    let cubic = cubic(line, column);
-    let cell = line.first + column as f64;
-    for run in runs {
-        let pixel = run.pixel as usize;
-        if !line.wanted[pixel] {
-            continue;
-        }
-        let offset = 2.0 * (line.along[pixel] - cell) - 1.0;
-        let (first, end) = (run.first as usize, run.end as usize);
-        let mut own = sums[pixel];
-        for (x, weight) in line.profile.x[first..end].iter().zip(&line.weight[first..end]) {
-            cubic.add(offset + x, *weight, &mut own);
-        }
-        sums[pixel] = own;
-    }
-}
-
-/// s on the line in a cell of each row.
-#[inline(always)]
-fn cubic(line: &LineOnRows, column: usize) -> Line {
-    let mut out = Line::default();
-    for lane in 0..LANES {
-        let cell = line.rows[lane][column];
-        let cubic = match cell.content {
-            Content::Zero => [0.0; 4],
-            Content::One => [1.0, 0.0, 0.0, 0.0],
-            Content::Mixed => {
-                cubic_on_line(&line.surfaces[cell.number as usize - line.first_surface], line.y[lane])
-            }
-        };
-        for (power, coefficient) in out.0.iter_mut().zip(cubic) {
-            power.0[lane] = coefficient;
-        }
-    }
-    out
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -432,28 +335,28 @@ mod tests {
         let mut compared = 0;
         for (exterior, invert) in [(Exterior::Fluid, 1.0), (Exterior::Solid, -1.0)] {
             let phi = |p: DVec3| invert * ((p - DVec3::new(0.1, -0.05, 0.02)).length() - 0.8);
-            let cells = find_band(&grid, 0.5, &phi, &Work::new(0));
+            let cells = find_band(&grid, 0.5, &phi, &Work::default()).unwrap();
             let nodes = Nodes::new(grid.resolution, &cells.band).unwrap();
             let field = DistanceField::sample(grid, &cells, &nodes, exterior, &phi);
             for (radius, rule) in
                 [(0.03, Rule::Chord(6)), (0.25, Rule::GaussLegendre(10)), (0.7, Rule::Ball(4))]
             {
                 for axes in [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]] {
-                    compared += compare(&field, (radius, rule), axes);
+                    compared += compare(&field, radius, rule, axes);
                 }
             }
         }
         assert!(compared > 5000, "{compared}");
     }
 
-    fn compare(field: &DistanceField, (radius, rule): (f64, Rule), axes: [usize; 3]) -> usize {
+    fn compare(field: &DistanceField, radius: f64, rule: Rule, axes: [usize; 3]) -> usize {
         let along: Vec<f64> = (0..23).map(|i| -1.5 + 0.131 * f64::from(i)).collect();
         // Not a multiple of the lanes.
         let across: Vec<f64> = (0..10).map(|j| -1.2 + 0.27 * f64::from(j)).collect();
         let wanted: Vec<bool> = (0..along.len() * across.len()).map(|at| at % 7 != 3).collect();
         let pixels = Pixels { axes, along, across, plane: 0.17, wanted };
         let integrator = Integrator::new(field, radius);
-        let found = volumes(&integrator, &rule.points(), &pixels, &Work::new(0));
+        let found = volumes(&integrator, &rule.points(), &pixels, &Work::default()).unwrap();
         for (at, volume) in found.iter().enumerate() {
             let mut x = DVec3::ZERO;
             x[axes[0]] = pixels.along[at % pixels.along.len()];

@@ -21,7 +21,7 @@ fn box_distance(p: DVec3, centre: DVec3, half: DVec3) -> f64 {
 fn box_is_exact_everywhere() {
     let (lower, upper) = (DVec3::new(-0.5, 0.1, 2.0), DVec3::new(0.7, 1.3, 2.5));
     let distance = distance_to(&shapes::cuboid(lower, upper));
-    let mut random = Random(1);
+    let mut random = Random::knuth(1);
     for _ in 0..5_000 {
         let p = random.point(lower - 1.0, upper + 1.0);
         let expected = box_distance(p, (lower + upper) / 2.0, (upper - lower) / 2.0);
@@ -33,7 +33,7 @@ fn box_is_exact_everywhere() {
 fn thin_plate_is_exact_everywhere() {
     let half = DVec3::new(1.0, 1.0, 1e-5);
     let distance = distance_to(&shapes::cuboid(-half, half));
-    let mut random = Random(2);
+    let mut random = Random::knuth(2);
     for i in 0..5_000 {
         let reach = if i % 2 == 0 { half * 1.5 } else { half + 0.5 };
         let p = random.point(-reach, reach);
@@ -47,7 +47,7 @@ fn sphere_is_within_its_facet_error() {
     let distance = distance_to(&shapes::icosphere(4));
     // The facets' inradius bounds the error from below: sagitta of the longest edge's circumcircle.
     let sagitta = 2.5e-3;
-    let mut random = Random(3);
+    let mut random = Random::knuth(3);
     for _ in 0..5_000 {
         let p = random.point(DVec3::splat(-2.0), DVec3::splat(2.0));
         let error = distance.signed_distance(p) - (p.length() - 1.0);
@@ -58,7 +58,7 @@ fn sphere_is_within_its_facet_error() {
 #[test]
 fn torus_is_within_its_facet_error() {
     let distance = distance_to(&shapes::torus(1.0, 0.4, 96, 48));
-    let mut random = Random(4);
+    let mut random = Random::knuth(4);
     for _ in 0..5_000 {
         let p = random.point(DVec3::splat(-1.6), DVec3::splat(1.6));
         let ring = DVec3::new(p.x, p.y, 0.0).length() - 1.0;
@@ -74,7 +74,7 @@ fn l_shape_is_exact_outside() {
         (DVec3::new(1.0, 0.5, 0.5), DVec3::new(1.0, 0.5, 0.5)),
         (DVec3::new(0.5, 1.0, 0.5), DVec3::new(0.5, 1.0, 0.5)),
     ];
-    let mut random = Random(5);
+    let mut random = Random::knuth(5);
     for _ in 0..5_000 {
         let p = random.point(DVec3::splat(-1.0), DVec3::splat(3.0));
         let union = boxes.map(|(centre, half)| box_distance(p, centre, half));
@@ -121,7 +121,7 @@ fn triangle_without_area_is_a_segment() {
 /// A needle's exact distance is that to its long axis, to within its width.
 #[test]
 fn needles_are_as_exact_as_their_width() {
-    let mut random = Random(6);
+    let mut random = Random::knuth(6);
     for exponent in 1..16 {
         let width = 10f64.powi(-exponent);
         let needle = [DVec3::ZERO, DVec3::X, DVec3::new(0.3, width, 0.0)];
@@ -157,7 +157,7 @@ fn bvh_is_brute_force() {
         let bounds = diagnose(mesh).bounds;
         let (lower, upper) = (DVec3::from(bounds.lower), DVec3::from(bounds.upper));
         let size = (upper - lower).length();
-        let mut random = Random(i as u64);
+        let mut random = Random::knuth(i as u64);
         for k in 0..400 {
             let reach = [0.0, 0.2, 20.0][k % 3] * size;
             let p = random.point(lower - reach, upper + reach);
@@ -189,7 +189,7 @@ fn ties_go_to_the_lowest_triangle() {
 fn upper_bound_changes_nothing() {
     let mesh = shapes::torus(1.0, 0.4, 60, 30);
     let distance = distance_to(&mesh);
-    let mut random = Random(7);
+    let mut random = Random::knuth(7);
     for _ in 0..1_000 {
         let p = random.point(DVec3::splat(-1.5), DVec3::splat(1.5));
         let found = distance.closest(p);

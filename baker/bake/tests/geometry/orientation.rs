@@ -8,7 +8,7 @@ use crate::shapes::{self, Random};
 
 /// Flips about `percent` of the triangles and returns how many.
 fn scramble(mesh: &mut TriangleMesh, percent: f64, seed: u64) -> usize {
-    let mut random = Random(seed);
+    let mut random = Random::knuth(seed);
     let mut count = 0;
     for triangle in &mut mesh.triangles {
         if random.unit() * 100.0 < percent {

@@ -6,20 +6,7 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 use volmap_formats::mesh::TriangleMesh;
 
-/// Random numbers that are the same on every run.
-pub struct Random(pub u64);
-
-impl Random {
-    /// Between 0 and 1 (Knuth's multiplier, the upper 53 bits).
-    pub fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (self.0 >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    pub fn point(&mut self, lower: DVec3, upper: DVec3) -> DVec3 {
-        lower + (upper - lower) * DVec3::new(self.unit(), self.unit(), self.unit())
-    }
-}
+pub use volmap_bake::random::Random;
 
 pub fn corners(mesh: &TriangleMesh) -> Vec<[DVec3; 3]> {
     let position = |v: u32| DVec3::from(mesh.vertices[v as usize]);
@@ -203,7 +190,7 @@ pub fn wedge(slope: f64) -> TriangleMesh {
 
 /// Triangles anywhere in the unit cube, of which some are slivers and some have no area.
 pub fn soup(count: usize, size: f64, seed: u64) -> TriangleMesh {
-    let mut random = Random(seed);
+    let mut random = Random::knuth(seed);
     let mut mesh = TriangleMesh::default();
     for i in 0..count as u32 {
         let a = random.point(DVec3::ZERO, DVec3::ONE);

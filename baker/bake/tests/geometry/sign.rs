@@ -3,6 +3,7 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 use volmap_bake::mesh::{diagnose, orient};
 use volmap_bake::sdf::{Feature, MeshDistance, SignMethod, choose_sign, compare_signs, points_near_surface};
+use volmap_bake::watch::Work;
 use volmap_formats::mesh::TriangleMesh;
 
 use crate::shapes::{self, Random};
@@ -20,7 +21,7 @@ fn pseudonormal_at_an_acute_edge() {
     assert!(diagnosis.closed && diagnosis.oriented && diagnosis.manifold_vertices);
     let distance = with_method(&mesh, SignMethod::Pseudonormal);
     let mut wrong_by_face = 0;
-    let mut random = Random(1);
+    let mut random = Random::knuth(1);
     for _ in 0..2_000 {
         let p = random.point(DVec3::new(-0.5, -0.04, -0.9), DVec3::new(-0.01, 0.04, 0.9));
         let closest = distance.closest(p);
@@ -45,7 +46,7 @@ fn pseudonormal_at_an_acute_vertex() {
     orient(&mut mesh);
     assert!(diagnose(&mesh).volume > 0.0 && diagnose(&mesh).balanced);
     let distance = with_method(&mesh, SignMethod::Pseudonormal);
-    let mut random = Random(2);
+    let mut random = Random::knuth(2);
     let mut at_tip = 0;
     for _ in 0..5_000 {
         let p = random.point(DVec3::splat(-0.5), DVec3::splat(0.5));
@@ -74,7 +75,7 @@ fn signs_agree_on_clean_surfaces() {
         shapes::cuboid(DVec3::new(-1.0, -1.0, -1e-4), DVec3::new(1.0, 1.0, 1e-4)),
         shapes::wedge(0.02),
     ];
-    let mut random = Random(3);
+    let mut random = Random::knuth(3);
     for mesh in &meshes {
         let diagnosis = diagnose(mesh);
         assert!(choose_sign(&diagnosis).reason.contains("exact"));
@@ -85,7 +86,7 @@ fn signs_agree_on_clean_surfaces() {
             let at = (corners[0] + corners[1] * 0.7 + corners[2] * 0.3) / 2.0;
             points.push(at + random.point(DVec3::splat(-1e-3), DVec3::splat(1e-3)));
         }
-        let comparison = compare_signs(&distance, &points);
+        let comparison = compare_signs(&distance, &points, &Work::default()).unwrap();
         assert_eq!(comparison.disagreeing, 0, "{comparison:?}");
         assert_eq!(comparison.points, points.len());
         assert!(comparison.bounds.is_none() && comparison.worst.is_empty());
@@ -100,7 +101,7 @@ fn overlapping_parts_get_winding_numbers() {
     let choice = choose_sign(&diagnose(&mesh));
     assert_eq!(choice.method, SignMethod::Winding, "{}", choice.reason);
     let distance = with_method(&mesh, SignMethod::Auto);
-    let mut random = Random(4);
+    let mut random = Random::knuth(4);
     let points: Vec<DVec3> =
         (0..3_000).map(|_| random.point(DVec3::splat(-1.2), DVec3::new(2.2, 1.2, 1.2))).collect();
     for &p in &points {
@@ -110,7 +111,7 @@ fn overlapping_parts_get_winding_numbers() {
             assert_eq!(distance.sign(p) < 0.0, exact < 0.0, "{p}");
         }
     }
-    let comparison = compare_signs(&distance, &points);
+    let comparison = compare_signs(&distance, &points, &Work::default()).unwrap();
     assert!(comparison.disagreeing > 20, "{comparison:?}");
     assert!(comparison.worst[0].1 >= comparison.worst[1].1);
 }
@@ -152,7 +153,7 @@ fn a_component_through_itself_is_a_union() {
     let diagnosis = diagnose(&mesh);
     assert!(diagnosis.components == 1 && diagnosis.closed && diagnosis.oriented);
     let distance = with_method(&mesh, SignMethod::Auto);
-    let mut random = Random(5);
+    let mut random = Random::knuth(5);
     for _ in 0..3_000 {
         let p = random.point(DVec3::new(-1.6, -1.6, -0.6), DVec3::new(1.6, 1.6, 0.6));
         let exact = [0.0, TAU / 2.0].map(|turn| {
@@ -165,7 +166,7 @@ fn a_component_through_itself_is_a_union() {
         }
     }
     let near = points_near_surface(&shapes::corners(&mesh));
-    assert!(compare_signs(&distance, &near).disagreeing > 1_000);
+    assert!(compare_signs(&distance, &near, &Work::default()).unwrap().disagreeing > 1_000);
 }
 
 /// Trust is told apart: closed, open, and scrambled.
@@ -187,7 +188,7 @@ fn known_distances_change_nothing() {
     let overlap = shapes::merged(&[sphere.clone(), shapes::moved(sphere, 1.0, DVec3::X)]);
     for mesh in [overlap, open, shapes::torus(1.0, 0.4, 40, 20)] {
         let distance = with_method(&mesh, SignMethod::Auto);
-        let mut random = Random(6);
+        let mut random = Random::knuth(6);
         let mut point = DVec3::splat(-1.5);
         let resolved = |mut known| {
             distance.side(&mut known);

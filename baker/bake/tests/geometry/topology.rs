@@ -227,7 +227,7 @@ fn crossings_count_what_solid_angles_sum() {
         shapes::flipped(shapes::moved(shapes::torus(1.0, 0.4, 20, 10), 0.5, DVec3::ZERO)),
         shapes::moved(shapes::cuboid(DVec3::ZERO, DVec3::ONE), 0.5, DVec3::splat(0.2)),
     ]);
-    let mut random = shapes::Random(7);
+    let mut random = shapes::Random::knuth(7);
     let mut points: Vec<DVec3> =
         (0..300).map(|_| random.point(DVec3::splat(-1.1), DVec3::splat(1.1))).collect();
     // Rays along edges and through corners.
@@ -261,7 +261,7 @@ fn crossings_of_slivers_are_given_up() {
         mesh.triangles.push([3 * k, 3 * k + 1, 3 * k + 2]);
     }
     let triangles: Vec<u32> = (0..5_000).collect();
-    let mut random = shapes::Random(1);
+    let mut random = shapes::Random::knuth(1);
     let points: Vec<DVec3> = (0..5_000).map(|_| random.point(DVec3::ZERO, DVec3::ONE)).collect();
     assert_eq!(winding_numbers(&mesh, &triangles, &points), None);
     assert!(winding_numbers(&mesh, &triangles[..50], &points).is_some());

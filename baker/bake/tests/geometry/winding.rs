@@ -11,7 +11,7 @@ fn worst_error(mesh: &TriangleMesh, beta: f64) -> f64 {
     let triangles = corners(mesh);
     let bvh = Bvh::new(&triangles);
     let winding = WindingNumbers::new(&bvh);
-    let mut random = Random(9);
+    let mut random = Random::knuth(9);
     let mut worst: f64 = 0.0;
     for _ in 0..300 {
         let p = random.point(DVec3::splat(-1.5), DVec3::splat(1.5));
@@ -35,7 +35,7 @@ fn closed_surface_is_one_inside_and_zero_outside() {
     let triangles = corners(&shapes::icosphere(3));
     let bvh = Bvh::new(&triangles);
     let winding = WindingNumbers::new(&bvh);
-    let mut random = Random(1);
+    let mut random = Random::knuth(1);
     for _ in 0..2_000 {
         let p = random.point(DVec3::splat(-1.3), DVec3::splat(1.3));
         if (0.985..1.0).contains(&p.length()) {

@@ -4,6 +4,7 @@
 //! little too large: by up to 0.11 cells in a sphere and a torus at 40^3 cells.
 
 use glam::UVec3;
+use volmap_bake::watch::{Cancelled, Watch};
 use volmap_runtime::layout::serendipity::{THIRDS, node, shape_and_gradient};
 use volmap_runtime::{DVec3, Grid};
 
@@ -54,13 +55,21 @@ impl ClosestPoints {
     }
 
     /// Finds what is wanted, after all is learnt.
-    pub fn find(&mut self) {
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn find(&mut self, watch: &Watch) -> Result<(), Cancelled> {
         for _ in 0..ROUNDS {
-            let changed = (0..8).fold(false, |changed, direction| self.sweep(direction) | changed);
+            let mut changed = false;
+            for direction in 0..8 {
+                watch.check()?;
+                changed |= self.sweep(direction);
+            }
             if !changed {
-                return;
+                break;
             }
         }
+        Ok(())
     }
 
     /// Goes through the corners with each axis upwards or, if its bit is set, downwards; whether any got closer.

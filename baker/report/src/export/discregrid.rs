@@ -16,6 +16,7 @@ use super::hexahedra::band_nodes;
 use super::values;
 use crate::error::Error;
 use glam::UVec3;
+use volmap_bake::watch::{Cancelled, Watch};
 use volmap_formats::asset::{Asset, CellRun};
 use volmap_formats::export::cdm::{DiscreteGrid, Field, NODES, REMOVED, UNSAMPLED, local_node};
 use volmap_runtime::layout::{CellIndex, Nodes};
@@ -31,15 +32,17 @@ struct Stored {
 /// Distance and, `with_volume`, volume.
 ///
 /// # Errors
-/// An asset that isn't consistent, or more cells than the format can number.
-pub fn discregrid(asset: &Asset, with_volume: bool) -> Result<DiscreteGrid, Error> {
+/// An asset that isn't consistent, or more cells than the format can number; cancelled.
+pub fn discregrid(asset: &Asset, with_volume: bool, watch: &Watch) -> Result<DiscreteGrid, Error> {
+    watch.step("finding the cells")?;
     let grid = *VolumeMap::from_asset(asset)?.grid();
     let all = grid.resolution.as_u64vec3().element_product();
     let (stored, nodes) = stored(asset).filter(|_| all < u64::from(REMOVED)).ok_or_else(|| {
         Error::setting("output", "Discregrid's maps can't hold that many cells; take larger ones")
     })?;
     let distance = values(&asset.signed_distance);
-    let mut fields = vec![distances(asset, &grid, &stored, spread(asset, &stored, &distance, nodes)?)];
+    let distance = spread(asset, &stored, &distance, nodes)?;
+    let mut fields = vec![distances(asset, &grid, &stored, distance, watch)?];
     if with_volume {
         fields.push(spread(asset, &stored, &values(&asset.volume), nodes)?);
     }
@@ -93,14 +96,21 @@ fn spread(asset: &Asset, stored: &[Stored], field: &[f64], nodes: usize) -> Resu
 }
 
 /// Fills in the distances of the solid's nodes.
-fn distances(asset: &Asset, grid: &Grid, stored: &[Stored], mut nodes: Vec<f64>) -> Vec<f64> {
+fn distances(
+    asset: &Asset,
+    grid: &Grid,
+    stored: &[Stored],
+    mut nodes: Vec<f64>,
+    watch: &Watch,
+) -> Result<Vec<f64>, Cancelled> {
+    watch.step("finding the distances in the solid")?;
     let mut closest = ClosestPoints::new(*grid);
     for cell in stored.iter().filter(|cell| cell.is_band) {
         closest.learn(cell.place, &cell.nodes.map(|node| nodes[node as usize]));
     }
     let solid = || stored.iter().filter(|cell| !cell.is_band);
     solid().for_each(|cell| closest.want(cell.place));
-    closest.find();
+    closest.find(watch)?;
     // At least what the asset says of these cells.
     let least = 2.0 * asset.support_radius;
     for cell in solid() {
@@ -112,5 +122,5 @@ fn distances(asset: &Asset, grid: &Grid, stored: &[Stored], mut nodes: Vec<f64>)
             }
         }
     }
-    nodes
+    Ok(nodes)
 }

@@ -5,6 +5,7 @@
 use super::values;
 use crate::error::Error;
 use glam::UVec3;
+use volmap_bake::watch::Watch;
 use volmap_formats::asset::{Asset, CellRun};
 use volmap_formats::export::vtkhdf::{CubicHexahedra, POINTS};
 use volmap_runtime::layout::serendipity::{NODES, THIRDS, shape};
@@ -14,13 +15,15 @@ use volmap_runtime::{DVec3, Grid, VolumeMap};
 /// Both fields on the band's cells. Points and values are of double precision, whatever that of the asset.
 ///
 /// # Errors
-/// An asset that isn't consistent, or too many cells.
-pub fn hexahedra(asset: &Asset) -> Result<CubicHexahedra, Error> {
+/// An asset that isn't consistent, or too many cells; cancelled.
+pub fn hexahedra(asset: &Asset, watch: &Watch) -> Result<CubicHexahedra, Error> {
+    watch.step("finding the cells' points")?;
     let grid = *VolumeMap::from_asset(asset)?.grid();
     let too_many = || Error::setting("output", "a .vtkhdf file can't have that many cells; take .vti");
     let thirds = Nodes::new(3 * grid.resolution, &in_thirds(&asset.band_cells)).ok_or_else(too_many)?;
     let cells = cells(&asset.band_cells, &thirds);
     let points = points(&grid, &thirds);
+    watch.step("finding the points' values")?;
     let fields = [values(&asset.signed_distance), values(&asset.volume)];
     let [distance, volume] = spread(asset, &fields, &cells, points.len())?;
     Ok(CubicHexahedra {

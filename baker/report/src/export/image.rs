@@ -8,6 +8,7 @@ use super::{ExportSettings, Field};
 use crate::error::Error;
 use rayon::prelude::*;
 use volmap_bake::iso_surface::lattice::Lattice;
+use volmap_bake::watch::Watch;
 use volmap_formats::asset::{Array, Asset};
 use volmap_formats::export::vti::{Image, Numbers};
 use volmap_runtime::{DVec3, Values, VolumeMap};
@@ -19,18 +20,24 @@ const MAX_POINTS: u64 = 1 << 28;
 /// the precision of the asset; 16-bit fields become single precision.
 ///
 /// # Errors
-/// An asset that isn't consistent, or too many points.
-pub fn image(asset: &Asset, settings: &ExportSettings) -> Result<Image, Error> {
+/// An asset that isn't consistent, or too many points; cancelled.
+pub fn image(asset: &Asset, settings: &ExportSettings, watch: &Watch) -> Result<Image, Error> {
     let map = VolumeMap::from_asset(asset)?;
     let lattice = Lattice::new(map.grid(), settings.lattice, 1, MAX_POINTS)?;
     let [nx, ny, nz] = lattice.points();
+    let work = watch.begin("asking the map at points", (ny * nz) as u64)?;
     let mut values = vec![Values::default(); nx * ny * nz];
     values.par_chunks_mut(nx).enumerate().for_each(|(row, out)| {
+        if work.is_cancelled() {
+            return;
+        }
         let points: Vec<DVec3> = (0..nx).map(|i| lattice.point([i, row % ny, row / ny])).collect();
         let mut answers: Vec<Values> = Vec::new();
         map.sample_batch(&points, &mut answers);
         out.copy_from_slice(&answers);
+        work.add(1);
     });
+    work.check()?;
     let limit = 2.0 * map.support_radius();
     let double = matches!(asset.signed_distance, Array::F64(_));
     let numbers = |of: &(dyn Fn(&Values) -> f64 + Sync)| match double {

@@ -9,32 +9,39 @@ use volmap_bake::density_map::DensitySettings;
 use volmap_bake::density_map::oracle::extension;
 use volmap_bake::sdf::{Neighbours, SignedDistance};
 use volmap_bake::volume_map::quadrature::{Point, along_curve};
+use volmap_bake::watch::{Cancelled, Watch};
 use volmap_formats::asset::DensityField;
 
 /// Points that are compared, at most: an integral of order 100 on the exact distance takes some 20 ms.
 pub const POINTS: usize = 200;
 
 /// Errors in rest densities at the first of the points that have a density; none if the kernel is not known.
+///
+/// # Errors
+/// [`Cancelled`].
 pub fn measure(
     model: &Model,
     density: &DensityField,
     solid: &Solid,
     points: &[DVec3],
-) -> Option<Vec<Measurement>> {
-    let kernel = density.kernel.parse().ok()?;
+    watch: &Watch,
+) -> Result<Option<Vec<Measurement>>, Cancelled> {
+    let Ok(kernel) = density.kernel.parse() else { return Ok(None) };
     let settings = DensitySettings { kernel, rule: PAPER_RULE, extension: 1.0 };
     let rule = along_curve(settings.points());
     let integral =
         Integral { solid, rule: &rule, radius: model.radius, extension_length: density.extension_length };
     let known: Vec<(DVec3, f64)> =
         points.iter().filter_map(|&x| Some((x, model.map.density(x)?.value))).take(POINTS).collect();
-    let error = |near: &mut Neighbours, &(point, value): &(DVec3, f64)| Measurement {
-        point,
-        distance: model.map.values(point).distance,
-        value,
-        reference: integral.at(point, near),
+    let work = watch.begin("integrating the density", known.len() as u64)?;
+    let error = |near: &mut Neighbours, &(point, value): &(DVec3, f64)| {
+        work.check()?;
+        let distance = model.map.values(point).distance;
+        let measured = Measurement { point, distance, value, reference: integral.at(point, near) };
+        work.add(1);
+        Ok(measured)
     };
-    Some(known.par_iter().map_init(Neighbours::default, error).collect())
+    known.par_iter().map_init(Neighbours::default, error).collect::<Result<_, _>>().map(Some)
 }
 
 /// Eq. 9 on the exact distance; the weights of the rule hold W.

@@ -5,6 +5,7 @@ use super::statistics::Measurement;
 use glam::DVec3;
 use rayon::prelude::*;
 use volmap_bake::sdf::{Neighbours, SignedDistance};
+use volmap_bake::watch::{Cancelled, Watch};
 use volmap_runtime::Sample;
 
 /// Errors of the distance, metres, and of the normal, degrees, with 0 for the right angle.
@@ -17,10 +18,23 @@ pub struct DistanceErrors {
 }
 
 /// Measures at the points.
-pub fn measure(model: &Model, solid: &Solid, points: &[DVec3]) -> DistanceErrors {
+///
+/// # Errors
+/// [`Cancelled`].
+pub fn measure(
+    model: &Model,
+    solid: &Solid,
+    points: &[DVec3],
+    watch: &Watch,
+) -> Result<DistanceErrors, Cancelled> {
+    let work = watch.begin("measuring the distance", points.len() as u64)?;
     let mut samples: Vec<Sample> = Vec::new();
     model.map.sample_batch(points, &mut samples);
     let one = |near: &mut Neighbours, (point, sample): (&DVec3, &Sample)| {
+        if work.is_cancelled() {
+            return None;
+        }
+        work.add(1);
         let boundary = sample.near()?;
         near.know(None);
         let exact = solid.phi.near(*point, &mut near.known[0]);
@@ -37,10 +51,11 @@ pub fn measure(model: &Model, solid: &Solid, points: &[DVec3]) -> DistanceErrors
     };
     let pairs = points.par_iter().zip(&samples);
     let found: Vec<_> = pairs.map_init(Neighbours::default, one).flatten().collect();
-    DistanceErrors {
+    work.check()?;
+    Ok(DistanceErrors {
         distance: found.iter().map(|(distance, _)| *distance).collect(),
         normal: found.iter().filter_map(|(_, normal)| *normal).collect(),
-    }
+    })
 }
 
 /// Between two directions, degrees; exact for small angles too (Kahan 2006, "How futile are mindless assessments").

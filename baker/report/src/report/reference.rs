@@ -10,7 +10,7 @@ use volmap_bake::volume_map::anywhere::{Block, Integrator, LineRule};
 use volmap_bake::volume_map::oracle;
 use volmap_bake::volume_map::pixel_rows::{self, Pixels};
 use volmap_bake::volume_map::quadrature::{Point, Rule, along_curve};
-use volmap_bake::work::Work;
+use volmap_bake::watch::{Cancelled, Work};
 
 /// The paper's reference, section 6.1.
 pub const PAPER_RULE: Rule = Rule::GaussLegendre(100);
@@ -92,7 +92,10 @@ impl<'a> OwnIntegrals<'a> {
     }
 
     /// By the paper's rule, at the pixels of a slice.
-    pub fn paper_at_pixels(&self, pixels: &Pixels, work: &Work) -> Vec<f64> {
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn paper_at_pixels(&self, pixels: &Pixels, work: &Work) -> Result<Vec<f64>, Cancelled> {
         pixel_rows::volumes(&self.integrator, &PAPER_RULE.points(), pixels, work)
     }
 

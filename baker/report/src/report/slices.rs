@@ -5,7 +5,7 @@ use super::reference::OwnIntegrals;
 use glam::DVec3;
 use rayon::prelude::*;
 use volmap_bake::volume_map::pixel_rows::Pixels;
-use volmap_bake::work::Work;
+use volmap_bake::watch::{Cancelled, Watch, Work};
 use volmap_figures::picture::{Axis, Pixel, PixelLattice, Plane, Raster};
 use volmap_runtime::{Sample, VolumeMap};
 
@@ -28,15 +28,18 @@ pub struct ErrorSlice {
 const AROUND: f64 = 10.0;
 
 /// Three slices through the middle of the domain, and one of the surroundings of the worst point, across the axis that
-/// is closest to the surface there. `begin` gets the number of pixels.
+/// is closest to the surface there.
+///
+/// # Errors
+/// [`Cancelled`].
 pub fn slices(
     model: &Model,
     worst: Option<DVec3>,
     pixels: usize,
-    begin: &mut dyn FnMut(u64) -> Work,
-) -> Vec<ErrorSlice> {
+    watch: &Watch,
+) -> Result<Vec<ErrorSlice>, Cancelled> {
     if pixels == 0 {
-        return Vec::new();
+        return Ok(Vec::new());
     }
     let (low, high) = (model.map.grid().origin, model.map.grid().max_corner());
     let middle = 0.5 * (low + high);
@@ -52,21 +55,27 @@ pub fn slices(
         let (low, high) = (low.max(worst - AROUND * model.radius), high.min(worst + AROUND * model.radius));
         lattices.push((PixelLattice::over(plane(axis, worst), low, high, pixels), true));
     }
-    let work = begin(lattices.iter().map(|(lattice, _)| lattice.len() as u64).sum());
+    let count = lattices.iter().map(|(lattice, _)| lattice.len() as u64).sum();
+    let work = watch.begin("integrating at pixels", count)?;
     let own = OwnIntegrals::new(model);
     let slice = |(lattice, through_worst)| {
-        let slice = slice(model, &own, lattice, &work);
-        ErrorSlice { through_worst, ..slice }
+        let slice = slice(model, &own, lattice, &work)?;
+        Ok(ErrorSlice { through_worst, ..slice })
     };
     lattices.into_iter().map(slice).collect()
 }
 
-fn slice(model: &Model, own: &OwnIntegrals, lattice: PixelLattice, work: &Work) -> ErrorSlice {
+fn slice(
+    model: &Model,
+    own: &OwnIntegrals,
+    lattice: PixelLattice,
+    work: &Work,
+) -> Result<ErrorSlice, Cancelled> {
     let rows: Vec<Vec<PixelValues>> =
         (0..lattice.size[1]).into_par_iter().map(|j| row(&model.map, &lattice, j)).collect();
     let all = rows.concat();
     let wanted = all.iter().map(|pixel| matches!(pixel.known, Pixel::Value(_))).collect();
-    let paper = own.paper_at_pixels(&pixels(&lattice, wanted), work);
+    let paper = own.paper_at_pixels(&pixels(&lattice, wanted), work)?;
     let raster = |values: &mut dyn Iterator<Item = f64>| Raster {
         lattice,
         pixels: all
@@ -85,13 +94,13 @@ fn slice(model: &Model, own: &OwnIntegrals, lattice: PixelLattice, work: &Work) 
         Pixel::Value(error) => Some((point, *error)),
         _ => None,
     });
-    ErrorSlice {
+    Ok(ErrorSlice {
         worst: errors.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())),
         volume,
         error,
         distance: all.iter().map(|pixel| pixel.distance).collect(),
         through_worst: false,
-    }
+    })
 }
 
 /// The lattice as places on the axes.

@@ -9,7 +9,8 @@ use glam::DVec3;
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::Serialize;
-use volmap_bake::sdf::sign::spread_over_area;
+use volmap_bake::sdf::sign_comparison::spread_over_area;
+use volmap_bake::watch::{Cancelled, Watch};
 
 /// Balls stop shrinking when the radius changes by less than this part.
 const ENOUGH: f64 = 1e-3;
@@ -92,13 +93,24 @@ pub fn spread(corners: &[[DVec3; 3]]) -> Vec<(DVec3, u32)> {
 }
 
 /// Widths at points of the surface, of which the triangles are known, up to `reach` metres.
-pub fn widths(solid: &Solid, points: &[(DVec3, u32)], reach: f64) -> Vec<Width> {
+///
+/// # Errors
+/// [`Cancelled`].
+pub fn widths(
+    solid: &Solid,
+    points: &[(DVec3, u32)],
+    reach: f64,
+    watch: &Watch,
+) -> Result<Vec<Width>, Cancelled> {
+    let work = watch.begin("measuring walls and gaps", points.len() as u64)?;
     let invert = if solid.phi.invert { -1.0 } else { 1.0 };
     let width = |&(point, triangle): &(DVec3, u32)| {
+        work.check()?;
+        work.add(1);
         // Out of the solid.
         let normal = normal(solid, triangle) * invert;
         let side = |direction| touching_ball(solid, point, direction, reach);
-        Width { point: point.to_array(), wall: side(-normal), gap: side(normal) }
+        Ok(Width { point: point.to_array(), wall: side(-normal), gap: side(normal) })
     };
     points.par_iter().map(width).collect()
 }

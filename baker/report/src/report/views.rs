@@ -4,6 +4,7 @@ use super::model::{Model, Solid};
 use super::thin::{self, Thin};
 use glam::{DVec3, Quat, Vec3};
 use volmap_bake::input::bounds;
+use volmap_bake::watch::{Cancelled, Watch};
 use volmap_figures::picture::{Axis, Pixel, PixelLattice, Plane, Raster};
 use volmap_figures::raster::{self, Faces, Sides, View as Projection};
 
@@ -23,18 +24,21 @@ pub const SHADES: usize = 5;
 pub const NOTHING: usize = SHADES * Thin::ALL.len();
 
 /// The solid from three sides.
-pub fn views(model: &Model, solid: &Solid, pixels: usize) -> Vec<View> {
-    Axis::ALL.map(|axis| view(model, solid, axis, pixels)).into()
+///
+/// # Errors
+/// [`Cancelled`].
+pub fn views(model: &Model, solid: &Solid, pixels: usize, watch: &Watch) -> Result<Vec<View>, Cancelled> {
+    Axis::ALL.into_iter().map(|axis| view(model, solid, axis, pixels, watch)).collect()
 }
 
-fn view(model: &Model, solid: &Solid, axis: Axis, pixels: usize) -> View {
+fn view(model: &Model, solid: &Solid, axis: Axis, pixels: usize, watch: &Watch) -> Result<View, Cancelled> {
     let [low, high] = bounds(&solid.mesh);
     let margin = DVec3::splat(0.05 * (high - low).max_element());
     let plane = Plane { axis, at: high[axis.index()] };
     let lattice = PixelLattice::over(plane, low - margin, high + margin, pixels);
     let seen = nearest(solid, &lattice, axis);
     let points: Vec<(DVec3, u32)> = seen.iter().flatten().copied().collect();
-    let widths = thin::widths(solid, &points, thin::reach(model));
+    let widths = thin::widths(solid, &points, thin::reach(model), watch)?;
     let cell = thin::cell(model);
     let mut kinds = points.iter().zip(widths).map(|((_, triangle), width)| {
         let kind = width.kind(cell, model.radius) as usize;
@@ -47,7 +51,7 @@ fn view(model: &Model, solid: &Solid, axis: Axis, pixels: usize) -> View {
         None => Pixel::Value(NOTHING as f64),
     };
     let pixels = seen.iter().map(pixel).collect();
-    View { axis, kinds: Raster { lattice, pixels } }
+    Ok(View { axis, kinds: Raster { lattice, pixels } })
 }
 
 /// Per pixel of the lattice, the point of the surface that is seen and its triangle.

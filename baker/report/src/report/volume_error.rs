@@ -20,7 +20,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use volmap_bake::sdf::Neighbours;
 use volmap_bake::volume_map::anywhere::Block;
-use volmap_bake::work::Work;
+use volmap_bake::watch::{Cancelled, Watch};
 use volmap_runtime::layout::serendipity::{node, shape};
 
 /// The parts of an error, m^3, signed.
@@ -92,7 +92,7 @@ pub struct VolumeSample {
     pub volume: f64,
     /// By the order of [`Reference::ALL`], where it was computed.
     pub references: [Option<f64>; Reference::ALL.len()],
-    /// ErrorParts, where they are known.
+    /// Parts, where they are known.
     pub parts: Option<ErrorParts>,
 }
 
@@ -110,17 +110,26 @@ pub struct Measuring<'a> {
     pub mesh_points: usize,
 }
 
-/// Measures at the points; each counts as work.
-pub fn measure(measuring: &Measuring, points: &[DVec3], work: &Work) -> Vec<VolumeSample> {
+/// Measures at the points.
+///
+/// # Errors
+/// [`Cancelled`].
+pub fn measure(
+    measuring: &Measuring,
+    points: &[DVec3],
+    watch: &Watch,
+) -> Result<Vec<VolumeSample>, Cancelled> {
+    let work = watch.begin("integrating at random points", points.len() as u64)?;
     let sampler = Sampler {
         measuring,
         own: OwnIntegrals::new(measuring.model),
         exact: measuring.solid.map(|solid| ExactIntegrals::new(solid, measuring.model.radius)),
     };
     let sample = |scratch: &mut Scratch, (number, x): (usize, &DVec3)| {
+        work.check()?;
         let sample = sampler.sample(number, *x, scratch);
         work.add(1);
-        sample
+        Ok(sample)
     };
     // In small tasks: the first points, which are compared with the mesh, take much longer.
     let tasks = points.par_iter().enumerate().with_max_len(16);

@@ -4,12 +4,13 @@
 //! The paper's bytes are those of its program: per field 8 a node, 132 a cell. (Its other figures are binary
 //! megabytes of these to 0.1 %: [`paper_bytes`].)
 
-use super::{ExperimentStep, MIB, baked, missing, outcome, row};
+use super::{MIB, baked, missing, outcome, row};
 use crate::error::Error;
 use crate::experiments::Outcome;
 use volmap_bake::density_map::cost::paper_bytes;
 use volmap_bake::input::Input;
 use volmap_bake::plan::{GridChoice, Settings as MapSettings};
+use volmap_bake::watch::Watch;
 
 /// What is measured.
 #[derive(Clone, Debug)]
@@ -42,8 +43,8 @@ struct Bytes {
 /// Runs the experiment; without a mesh only what doesn't need it.
 ///
 /// # Errors
-/// DragonSettings or a mesh that can't be used.
-pub fn measure(settings: &DragonSettings, enter: &mut dyn FnMut(ExperimentStep)) -> Result<Outcome, Error> {
+/// DragonSettings or a mesh that can't be used; cancelled.
+pub fn measure(settings: &DragonSettings, watch: &Watch) -> Result<Outcome, Error> {
     let [x, y, z] = settings.cells;
     let r = settings.radius;
     let mib = |bytes: u64| bytes as f64 / MIB;
@@ -64,8 +65,8 @@ pub fn measure(settings: &DragonSettings, enter: &mut dyn FnMut(ExperimentStep))
         rows.push(missing("dense over sparse", "", Some(5.5), remark));
         return Ok(outcome(rows, assumed(r, None)));
     };
-    enter(ExperimentStep { name: "baking the dragon", work: None });
-    let [wide, narrow] = [bytes(mesh, settings, 6.0 * r)?, bytes(mesh, settings, 0.0)?];
+    watch.step("baking the dragon")?;
+    let [wide, narrow] = [bytes(mesh, settings, 6.0 * r, watch)?, bytes(mesh, settings, 0.0, watch)?];
     let figures = [
         (Some(6.4), mib(wide.paper_sparse), "MiB"),
         (Some(6.4), mib(narrow.paper_sparse), "MiB"),
@@ -98,14 +99,14 @@ fn assumed(radius: f64, mesh: Option<&Input>) -> Vec<String> {
     out
 }
 
-fn bytes(mesh: &Input, settings: &DragonSettings, padding: f64) -> Result<Bytes, Error> {
+fn bytes(mesh: &Input, settings: &DragonSettings, padding: f64, watch: &Watch) -> Result<Bytes, Error> {
     let map = MapSettings {
         support_radius: Some(settings.radius),
         grid: GridChoice::Resolution(settings.cells),
         padding,
         ..MapSettings::default()
     };
-    let summary = baked(mesh.clone(), map)?.summary;
+    let summary = baked(mesh.clone(), map, watch)?.summary;
     let [dense, sparse] = summary.field_bytes;
     let paper_sparse = 2 * (8 * summary.nodes as u64 + 128 * summary.cells.band + 4 * summary.cells.grid);
     Ok(Bytes { paper_sparse, dense, sparse })
@@ -114,12 +115,11 @@ fn bytes(mesh: &Input, settings: &DragonSettings, padding: f64) -> Result<Bytes,
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::reproduce::made;
-    use volmap_bake::density_map::cost::unit_cube;
+    use crate::reproduce::unit_cube_input;
 
     #[test]
     fn without_the_mesh_only_what_needs_none_is_told() {
-        let Outcome { rows, .. } = measure(&DragonSettings::default(), &mut |_| ()).unwrap();
+        let Outcome { rows, .. } = measure(&DragonSettings::default(), &Watch::default()).unwrap();
         let [dense, sparse, factor] = &rows[..] else { panic!("{rows:?}") };
         assert!((dense.ratio().unwrap() - 1.0).abs() < 0.03, "{dense:?}");
         for row in [sparse, factor] {
@@ -132,14 +132,14 @@ mod tests {
     #[test]
     fn bytes_are_those_of_the_cells_within_two_radii() {
         let settings = DragonSettings { mesh: None, cells: [14; 3], radius: 0.1 };
-        let cube = made(unit_cube(), "cube");
-        let found = bytes(&cube, &settings, 0.0).unwrap();
+        let cube = unit_cube_input().unwrap();
+        let found = bytes(&cube, &settings, 0.0, &Watch::default()).unwrap();
         let dense = paper_bytes([14; 3]);
         // Outer cells at the cube's edges are farther away than 2 r.
         assert!(found.paper_sparse > dense * 8 / 10 && found.paper_sparse < dense, "{found:?} of {dense}");
         assert!(found.sparse < found.dense && found.dense < dense / 4, "{found:?}");
         let all = DragonSettings { mesh: Some(cube), ..settings };
-        let Outcome { rows, .. } = measure(&all, &mut |_| ()).unwrap();
+        let Outcome { rows, .. } = measure(&all, &Watch::default()).unwrap();
         assert_eq!(rows.len(), 7);
         assert!(rows[1].measured < rows[2].measured && rows[4].measured < rows[5].measured, "{rows:?}");
     }

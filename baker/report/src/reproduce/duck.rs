@@ -1,7 +1,7 @@
 //! Section 5 and Fig. 6 of Bender et al. 2020: "The maximum volume error in this experiment was 0.000012 m^3" on a
 //! slice of a duck's map of 20^3 cells, against Eq. 12 by order 100 on the same discretised distance.
 
-use super::{ExperimentStep, baked, missing, outcome, row};
+use super::{baked, missing, outcome, row};
 use crate::error::Error;
 use crate::experiments::Outcome;
 use crate::report::model::{Model, Solid};
@@ -14,7 +14,7 @@ use std::path::Path;
 use volmap_bake::input::{Input, InputSettings, from_bytes};
 use volmap_bake::plan::{GridChoice, Settings as MapSettings};
 use volmap_bake::volume_map::quadrature::Rule;
-use volmap_bake::work::Work;
+use volmap_bake::watch::Watch;
 use volmap_formats::asset::Asset;
 use volmap_formats::text::number;
 
@@ -70,13 +70,13 @@ pub struct Errors {
 /// Runs the experiment.
 ///
 /// # Errors
-/// DuckSettings that can't be used.
-pub fn measure(settings: &DuckSettings, enter: &mut dyn FnMut(ExperimentStep)) -> Result<Outcome, Error> {
+/// Settings that can't be used; cancelled.
+pub fn measure(settings: &DuckSettings, watch: &Watch) -> Result<Outcome, Error> {
     let duck = from_bytes(Path::new("duck.obj"), DUCK, &InputSettings::default())?;
     let default = Rule::default();
-    let mut errors = |cells, rule| {
-        let asset = bake(&duck, settings, cells, rule)?;
-        errors(&asset, settings, enter)
+    let errors = |cells, rule| {
+        let asset = bake(&duck, settings, cells, rule, watch)?;
+        errors(&asset, settings, watch)
     };
     let n = settings.cells;
     let (paper, ours) = (errors(n, PAPER_RULE)?, errors(n, default)?);
@@ -112,7 +112,7 @@ pub fn measure(settings: &DuckSettings, enter: &mut dyn FnMut(ExperimentStep)) -
             format!("more than {}", settings.most_cells),
         )),
     }
-    let exact = against_mesh(&bake(&duck, settings, n, default)?, duck, settings, enter)?;
+    let exact = against_mesh(&bake(&duck, settings, n, default, watch)?, duck, settings, watch)?;
     rows.push(largest(
         format!("largest error against the mesh's exact distance, {n}^3 cells, {default}"),
         None,
@@ -140,29 +140,27 @@ fn assumed(settings: &DuckSettings) -> Vec<String> {
     ]
 }
 
-fn bake(duck: &Input, settings: &DuckSettings, cells: u32, rule: Rule) -> Result<Asset, Error> {
+fn bake(
+    duck: &Input,
+    settings: &DuckSettings,
+    cells: u32,
+    rule: Rule,
+    watch: &Watch,
+) -> Result<Asset, Error> {
     let map = MapSettings {
         support_radius: Some(settings.radius),
         grid: GridChoice::Resolution([cells; 3]),
         rule,
         ..MapSettings::default()
     };
-    Ok(baked(duck.clone(), map)?.asset)
+    Ok(baked(duck.clone(), map, watch)?.asset)
 }
 
-fn errors(
-    asset: &Asset,
-    settings: &DuckSettings,
-    enter: &mut dyn FnMut(ExperimentStep),
-) -> Result<Errors, Error> {
+fn errors(asset: &Asset, settings: &DuckSettings, watch: &Watch) -> Result<Errors, Error> {
     let model = Model::new(asset)?;
-    let samples = samples(&model, None, settings.points, enter);
+    let samples = samples(&model, None, settings.points, watch)?;
     let worst = worst(&samples, Reference::Gl100Own);
-    let slices = slices(&model, worst.map(|worst| worst.0), settings.pixels, &mut |total| {
-        let work = Work::new(total);
-        enter(ExperimentStep { name: "integrating at pixels", work: Some(work.clone()) });
-        work
-    });
+    let slices = slices(&model, worst.map(|worst| worst.0), settings.pixels, watch)?;
     let pixels = |worst: bool| {
         let own = slices.iter().filter(move |slice| worst || !slice.through_worst);
         own.filter_map(|slice| slice.worst).map(|(_, error)| error.abs() * model.ball).fold(0.0, f64::max)
@@ -175,14 +173,12 @@ fn samples(
     model: &Model,
     solid: Option<&Solid>,
     points: usize,
-    enter: &mut dyn FnMut(ExperimentStep),
-) -> Vec<VolumeSample> {
+    watch: &Watch,
+) -> Result<Vec<VolumeSample>, Error> {
     let points = band_points(&model.field.grid, &model.cells.band, points, 1);
     let mesh_points = if solid.is_some() { points.len() } else { 0 };
     let measuring = Measuring { model, solid, shape: None, gl100_mesh_points: 0, mesh_points };
-    let work = Work::new(points.len() as u64);
-    enter(ExperimentStep { name: "integrating at random points", work: Some(work.clone()) });
-    measure_points(&measuring, &points, &work)
+    Ok(measure_points(&measuring, &points, watch)?)
 }
 
 /// Where the error is largest, and its size.
@@ -191,15 +187,10 @@ fn worst(samples: &[VolumeSample], reference: Reference) -> Option<(DVec3, f64)>
     all.map(|one| (one.point, one.error().abs())).max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-fn against_mesh(
-    asset: &Asset,
-    duck: Input,
-    settings: &DuckSettings,
-    enter: &mut dyn FnMut(ExperimentStep),
-) -> Result<f64, Error> {
+fn against_mesh(asset: &Asset, duck: Input, settings: &DuckSettings, watch: &Watch) -> Result<f64, Error> {
     let model = Model::new(asset)?;
     let solid = Solid::new(asset, duck)?;
-    let samples = samples(&model, Some(&solid), settings.mesh_points, enter);
+    let samples = samples(&model, Some(&solid), settings.mesh_points, watch)?;
     Ok(worst(&samples, Reference::FineMesh).map_or(0.0, |worst| worst.1))
 }
 
@@ -263,7 +254,7 @@ mod tests {
             most_cells: 40,
             ..DuckSettings::default()
         };
-        let Outcome { rows, notes, .. } = measure(&settings, &mut |_| ()).unwrap();
+        let Outcome { rows, notes, .. } = measure(&settings, &Watch::default()).unwrap();
         let ours = |part: &str| {
             let row = rows.iter().find(|row| row.quantity.contains(part)).unwrap_or_else(|| panic!("{part}"));
             row.measured

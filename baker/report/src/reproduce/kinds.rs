@@ -1,10 +1,11 @@
 //! Section 6 of Bender et al. 2020, after Fig. 10: a density map of the unit cube needs 60^3 cells for a smooth force,
 //! a volume map 10^3; 175 s to 0.3 s, "a speedup factor of about 580", and 78.2 MB to 392 KB, "200 times lower".
 
-use super::{ExperimentStep, KIB, MIB, outcome, row};
+use super::{KIB, MIB, outcome, row};
 use crate::error::Error;
 use crate::experiments::Outcome;
 use volmap_bake::density_map::cost::{Costs, measure as measure_costs, paper_settings, unit_cube};
+use volmap_bake::watch::Watch;
 
 /// What is measured.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,13 +27,13 @@ impl Default for KindsSettings {
 /// Runs the experiment.
 ///
 /// # Errors
-/// KindsSettings that can't be used.
-pub fn measure(settings: &KindsSettings, enter: &mut dyn FnMut(ExperimentStep)) -> Result<Outcome, Error> {
-    enter(ExperimentStep { name: "computing volume and density maps", work: None });
+/// Settings that can't be used; cancelled.
+pub fn measure(settings: &KindsSettings, watch: &Watch) -> Result<Outcome, Error> {
+    watch.step("computing volume and density maps")?;
     let (coarse, fine) = (settings.volume_cells, settings.density_cells);
     let mut runs = Vec::new();
     for _ in 0..settings.runs.max(1) {
-        let costs = |cells| measure_costs(&unit_cube(), &paper_settings(cells));
+        let costs = |cells| measure_costs(&unit_cube(), &paper_settings(cells), watch);
         runs.push([costs(coarse)?, costs(fine)?]);
     }
     let seconds = |part: &dyn Fn(&[Costs; 2]) -> f64| median(runs.iter().map(part).collect());
@@ -92,7 +93,7 @@ mod tests {
     #[test]
     fn both_kinds_are_measured_and_compared() {
         let settings = KindsSettings { volume_cells: 6, density_cells: 12, runs: 2 };
-        let Outcome { rows, notes, .. } = measure(&settings, &mut |_| ()).unwrap();
+        let Outcome { rows, notes, .. } = measure(&settings, &Watch::default()).unwrap();
         let ours = |name: &str| rows.iter().find(|row| row.quantity == name).unwrap().measured;
         let ratio = ours("memory, density over volume, the paper's layout");
         assert!((7.0..8.0).contains(&ratio), "{ratio}");

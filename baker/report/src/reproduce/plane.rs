@@ -5,15 +5,15 @@
 //! The difference has two parts: gamma* counts fluid within r of the boundary as solid in part, so that Eq. 12 is not
 //! the intersection; and the map is not Eq. 12.
 
-use super::{ExperimentStep, baked, made, outcome, row};
+use super::{baked, outcome, row, unit_cube_input};
 use crate::error::Error;
 use crate::experiments::Outcome;
 use crate::report::shape::{Shape, ShapeKind};
 use glam::DVec3;
 use std::f64::consts::PI;
-use volmap_bake::density_map::cost::unit_cube;
 use volmap_bake::plan::{GridChoice, Settings as MapSettings};
 use volmap_bake::volume_map::quadrature::Rule;
+use volmap_bake::watch::Watch;
 use volmap_formats::text::number;
 use volmap_runtime::VolumeMap;
 
@@ -55,18 +55,18 @@ pub struct Means {
 /// Runs the experiment.
 ///
 /// # Errors
-/// PlaneSettings that can't be used.
-pub fn measure(settings: &PlaneSettings, enter: &mut dyn FnMut(ExperimentStep)) -> Result<Outcome, Error> {
-    enter(ExperimentStep { name: "moving a particle to a plane", work: None });
+/// Settings that can't be used; cancelled.
+pub fn measure(settings: &PlaneSettings, watch: &Watch) -> Result<Outcome, Error> {
+    watch.step("moving a particle to a plane")?;
     let (n, r) = (settings.cells, 4.0 * settings.particle_radius);
     let mut rows = Vec::new();
     let mut signed = Vec::new();
     for rule in [PAPER_RULE, Rule::default()] {
-        let means = means(settings, rule, 2.0 * r)?;
+        let means = means(settings, rule, 2.0 * r, watch)?;
         let of_rule =
             |name: &str, paper, ours| row(format!("{name}, {n}^3 cells, {rule}"), "m^3", paper, ours);
         if rows.is_empty() {
-            let from_r = self::means(settings, rule, r)?;
+            let from_r = self::means(settings, rule, r, watch)?;
             rows.push(row("mean error by the extension function alone", "m^3", None, means.extension));
             rows.push(row("the same, on the way from r on", "m^3", None, from_r.extension));
         }
@@ -104,7 +104,7 @@ fn paper_way(settings: &PlaneSettings, mean: f64) -> f64 {
 }
 
 /// On the way from this distance until the particle touches.
-fn means(settings: &PlaneSettings, rule: Rule, start: f64) -> Result<Means, Error> {
+fn means(settings: &PlaneSettings, rule: Rule, start: f64, watch: &Watch) -> Result<Means, Error> {
     let r = 4.0 * settings.particle_radius;
     let map = MapSettings {
         support_radius: Some(r),
@@ -112,7 +112,7 @@ fn means(settings: &PlaneSettings, rule: Rule, start: f64) -> Result<Means, Erro
         rule,
         ..MapSettings::default()
     };
-    let asset = baked(made(unit_cube(), "unit cube"), map)?.asset;
+    let asset = baked(unit_cube_input()?, map, watch)?.asset;
     let map = VolumeMap::from_asset(&asset)?;
     let plane =
         Shape { kind: ShapeKind::HalfSpace { point: 0.5 * DVec3::X, normal: DVec3::X }, invert: false };
@@ -158,7 +158,7 @@ mod tests {
     #[test]
     fn a_fine_map_leaves_the_error_of_the_extension_function() {
         let fine = PlaneSettings { cells: 60, steps: 200, ..PlaneSettings::default() };
-        let found = means(&fine, Rule::Chord(12), 0.08).unwrap();
+        let found = means(&fine, Rule::Chord(12), 0.08, &Watch::default()).unwrap();
         assert!((found.extension - 2.797e-5).abs() < 1e-8, "{found:?}");
         let ball = 4.0 / 3.0 * PI * 0.04f64.powi(3);
         assert!(found.map < 0.002 * ball && (found.all - found.extension).abs() <= found.map, "{found:?}");
@@ -167,7 +167,7 @@ mod tests {
     #[test]
     fn parts_of_the_coarse_map_add_up() {
         let settings = PlaneSettings { steps: 200, ..PlaneSettings::default() };
-        let Outcome { rows, .. } = measure(&settings, &mut |_| ()).unwrap();
+        let Outcome { rows, .. } = measure(&settings, &Watch::default()).unwrap();
         let ours: Vec<f64> = rows.iter().map(|row| row.measured).collect();
         let [extension, from_r, paper, paper_map, default, default_map, way] = ours[..] else {
             panic!("{rows:?}")

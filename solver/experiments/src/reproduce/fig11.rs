@@ -150,7 +150,7 @@ fn tank(case: Case) -> Result<Shape, Error> {
         density: Some(AreaDensity { extension: case.extension, ..AreaDensity::default() }),
         ..AreaSettings::default()
     };
-    let map = VolumeMap::from_asset(&bake(phi.bounds(), &|x| phi.at(x), &settings)?)?;
+    let map = VolumeMap::from_asset(&bake(phi.bounds(), &|x| phi.at(x), &settings, &Default::default())?)?;
     let mesh = cuboid(DVec3::new(0.0, 0.0, -TANK), DVec3::new(TANK, TANK, TANK));
     Ok(Shape { mesh: Arc::new(mesh), map: Arc::new(map) })
 }

@@ -3,6 +3,7 @@
 
 use super::flow::{GRAVITY, lattice, volume_below, water};
 use super::{Experiment, Outcome, Row, Run, chart, curve};
+use volmap_bake::random::Random;
 use volmap_figures::picture::colours::DISTINCT;
 use volmap_fluid::Error;
 use volmap_fluid::bodies::{BodyDescription, FreeBody, Motion, Weight};
@@ -87,14 +88,9 @@ impl Tank {
 
 /// Moves every particle by up to 0.3 rp along each axis, at random.
 fn disturb(places: &mut [DVec3], radius: f64) {
-    let mut state = 1u64;
-    let mut random = || {
-        // Knuth's MMIX.
-        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (state >> 33) as f64 / f64::from(1u32 << 30) - 1.0
-    };
+    let mut random = Random::knuth(1);
     for place in places {
-        *place += 0.3 * radius * DVec3::new(random(), random(), random());
+        *place += 0.3 * radius * DVec3::new(random.signed(), random.signed(), random.signed());
     }
 }
 

@@ -69,7 +69,8 @@ fn mesh_of_map(map: &VolumeMap) -> Result<TriangleMesh, String> {
         return Err("its map is in two dimensions; give it a mesh to touch other bodies with".into());
     }
     let resolution = LatticeChoice::Resolution(map.grid().resolution.to_array());
-    let surface = iso_surface(map, 0.0, Some(resolution)).map_err(|error| error.to_string())?;
+    let surface =
+        iso_surface(map, 0.0, Some(resolution), &Default::default()).map_err(|error| error.to_string())?;
     match surface.triangles.is_empty() {
         true => Err("its map has no surface".into()),
         false => Ok(TriangleMesh { vertices: surface.vertices, triangles: surface.triangles }),

@@ -5,18 +5,13 @@ use crate::fields::Fields;
 use crate::pairs::Pair;
 use crate::pairs::lanes::{Plain, Work};
 use crate::particles::Particles;
+use volmap_bake::random::Random;
 use volmap_runtime::{DVec3, Dimension, KernelKind};
 
-/// The numbers of SplitMix64 (Steele et al. 2014), 0 to 1.
+/// Random numbers, 0 to 1.
 pub(crate) fn random(seed: u64) -> impl FnMut() -> f64 {
-    let mut state = seed;
-    move || {
-        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = state;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        (z ^ (z >> 31)) as f64 / u64::MAX as f64
-    }
+    let mut random = Random::new(seed);
+    move || random.unit()
 }
 
 /// Points in a cube at the origin.

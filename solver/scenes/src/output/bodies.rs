@@ -12,7 +12,7 @@ use volmap_runtime::VolumeMap;
 /// # Errors
 /// A surface too large for memory.
 pub fn surface_of_map(map: &VolumeMap) -> Result<TriangleMesh, Error> {
-    let surface = iso_surface(map, 0.0, None)?;
+    let surface = iso_surface(map, 0.0, None, &Default::default())?;
     Ok(TriangleMesh { vertices: surface.vertices, triangles: surface.triangles })
 }
 

@@ -247,7 +247,7 @@ impl<'a> Library<'a> {
     ) -> Result<VolumeMap, Error> {
         (self.on_bake)(path);
         let baked =
-            bake(input, &recipe.bake, &mut |_| (), &mut |_| ()).map_err(|error| cannot_bake(path, error))?;
+            bake(input, &recipe.bake, &Default::default()).map_err(|error| cannot_bake(path, error))?;
         let notes = baked.summary.warnings.iter().map(|warning| format!("{}: {warning}", path.display()));
         self.notes.extend(notes);
         let kept = std::fs::create_dir_all(&self.cache).map_err(|error| error.to_string());

@@ -2,6 +2,7 @@
 
 use glam::{DQuat, DVec3, Vec3};
 use std::path::Path;
+use volmap_bake::random::Random;
 use volmap_formats::mesh::{CleanSettings, TriangleMesh, load};
 use volmap_runtime::Pose;
 use volmap_scenes::output::picture::{Bounds, Model, Prop, World};
@@ -39,11 +40,8 @@ impl Scene {
             pressure.push((9810.0 * depth) as f32);
         };
         let duck = duck_pose(time);
-        let mut seed = 1u64;
-        let mut noise = || {
-            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (seed >> 33) as f64 / (1u64 << 31) as f64 - 0.5
-        };
+        let mut random = Random::knuth(1);
+        let mut noise = || 0.5 * random.signed();
         for n in 0..count.x * count.y * count.z {
             let cell = DVec3::new(
                 (n % count.x) as f64,

@@ -114,9 +114,10 @@ fn monomials([x, y, z]: [f64; 3]) -> [f64; NODES] {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::{Random, evaluate, group, window};
+    use super::super::tests::{evaluate, group, window};
     use super::super::to_monomials;
     use super::*;
+    use crate::random::Random;
     use crate::volume_map::dispatch;
 
     /// The sum that [`accumulate`] is to add for a cell.
@@ -134,11 +135,11 @@ mod tests {
 
     #[test]
     fn accumulate_sums_the_linear_extension_function() {
-        let mut random = Random(11);
+        let mut random = Random::knuth(11);
         for offset in [-0.2, 0.3, 4.0] {
             let mut own = group(&mut random);
             own.moments = moments(&own);
-            let values: Vec<f64> = (0..NODES * 12).map(|_| offset + 0.7 * random.next()).collect();
+            let values: Vec<f64> = (0..NODES * 12).map(|_| offset + 0.7 * random.signed()).collect();
             let mut cells = window(12, |cell, a| values[a * 12 + cell]);
             to_monomials(&mut cells);
             for content in [Content::Mixed, Content::One, Content::Zero] {
@@ -158,10 +159,10 @@ mod tests {
 
     #[test]
     fn dispatched_kernel_has_the_bits_of_the_portable_one() {
-        let mut random = Random(13);
+        let mut random = Random::knuth(13);
         let mut groups: Vec<Group> = (0..5).map(|_| group(&mut random)).collect();
         groups.iter_mut().for_each(|own| own.moments = moments(own));
-        let values: Vec<f64> = (0..NODES * 24).map(|_| 0.5 + 0.8 * random.next()).collect();
+        let values: Vec<f64> = (0..NODES * 24).map(|_| 0.5 + 0.8 * random.signed()).collect();
         let run = |accumulate: fn(&[Group], &Window<24>, i32, &mut [f64])| {
             let mut cells = window(24, |cell, a| values[a * 24 + cell]);
             to_monomials(&mut cells);

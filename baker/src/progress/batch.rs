@@ -1,7 +1,8 @@
 //! Progress of a batch on a terminal: a bar for all, a line for each worker.
 
-use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
-use std::io::{IsTerminal, Write};
+use super::{is_visible, style};
+use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget};
+use std::io::Write;
 use std::time::Duration;
 use volmap_batch::engine::Event;
 
@@ -23,8 +24,7 @@ struct Bars {
 impl BatchProgress {
     /// Bars on a terminal; nothing elsewhere.
     pub fn new(quiet: bool) -> BatchProgress {
-        let visible = !quiet && std::io::stderr().is_terminal();
-        BatchProgress { bars: visible.then(Bars::new) }
+        BatchProgress { bars: is_visible(quiet).then(Bars::new) }
     }
 
     /// Prints a line above the bars.
@@ -65,8 +65,7 @@ impl Bars {
     fn new() -> Bars {
         let all = MultiProgress::with_draw_target(ProgressDrawTarget::stderr());
         let overall = all.add(ProgressBar::new(0));
-        let style = ProgressStyle::with_template("{msg} {wide_bar} {elapsed}, {eta} left");
-        overall.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+        overall.set_style(style("{msg} {wide_bar} {elapsed}, {eta} left"));
         overall.set_message("comparing");
         overall.enable_steady_tick(Duration::from_millis(200));
         Bars { all, overall, slots: Vec::new(), assets: 0, done: 0 }
@@ -105,9 +104,7 @@ impl Bars {
     fn slot(&mut self, slot: usize) -> &ProgressBar {
         while self.slots.len() <= slot {
             let bar = self.all.add(ProgressBar::new_spinner());
-            bar.set_style(
-                ProgressStyle::with_template("  {msg}").unwrap_or_else(|_| ProgressStyle::default_bar()),
-            );
+            bar.set_style(style("  {msg}"));
             self.slots.push(bar);
         }
         &self.slots[slot]

@@ -1,0 +1,86 @@
+//! What a map can be asked for.
+
+use crate::density_map::settings::DensitySettings;
+use crate::volume_map::quadrature::Rule;
+
+/// How the cells are chosen.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum GridChoice {
+    /// Cubes of half the support radius.
+    #[default]
+    FromRadius,
+    /// This many cells along x, y, z; their edges follow from the domain.
+    Resolution([u32; 3]),
+    /// Cubes of this edge, metres; the domain grows to whole cells.
+    CellSize(f64),
+    /// The largest cubes whose map is this exact, as a part of the full ball's volume: `tolerance` finds them.
+    /// A plan of its own takes them as [`GridChoice::FromRadius`].
+    Tolerance(f64),
+}
+
+/// Precision of the stored fields.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Precision {
+    /// Single: 2^-24 relative, far below any other error of a map.
+    #[default]
+    F32,
+    /// Double.
+    F64,
+    /// 16-bit multiples of a step. No node's value changes by more than this fraction of r (distance) and of the
+    /// full ball (volume), and by more than this (density over rest density).
+    Rounded(f64),
+}
+
+impl Precision {
+    /// Bytes of a stored number.
+    pub fn bytes(self) -> u64 {
+        match self {
+            Precision::F32 => 4,
+            Precision::F64 => 8,
+            Precision::Rounded(_) => 2,
+        }
+    }
+}
+
+/// What a map depends on beside the surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Support radius r, metres; by default a twentieth of the box's diagonal, rounded to 1, 2 or 5 times a power
+    /// of ten.
+    pub support_radius: Option<f64>,
+    /// How the cells are chosen.
+    pub grid: GridChoice,
+    /// Lowest and highest corner of the domain, metres; by default all of |Phi| <= 2 r.
+    pub domain: Option<[[f64; 3]; 2]>,
+    /// Length added to the domain on every side, metres.
+    pub padding: f64,
+    /// Solid and fluid change places: for containers.
+    pub invert: bool,
+    /// Moves the zero surface outwards from the solid by this, metres.
+    pub thickness: f64,
+    /// How the volume is integrated.
+    pub rule: Rule,
+    /// How the density is computed, if it is to be.
+    pub density: Option<DensitySettings>,
+    /// Precision of the stored fields.
+    pub precision: Precision,
+    /// Limit on the estimate of memory, bytes.
+    pub max_memory: u64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Settings {
+            support_radius: None,
+            grid: GridChoice::default(),
+            domain: None,
+            padding: 0.0,
+            invert: false,
+            thickness: 0.0,
+            rule: Rule::default(),
+            density: None,
+            precision: Precision::default(),
+            max_memory: 4 << 30,
+        }
+    }
+}
