@@ -11,6 +11,7 @@
 //! the method.
 
 pub mod density_map;
+pub mod drag;
 pub mod particles;
 pub mod pressure;
 pub mod sampling;
@@ -21,7 +22,7 @@ use crate::bodies::{Bodies, FluidContact};
 use crate::error::Error;
 use crate::neighbours::Neighbours;
 use crate::settings::{BoundaryMethod, FluidSettings, World};
-use crate::viscosity::drag::Drag;
+use drag::Drag;
 use particles::BodyParticles;
 use rayon::prelude::*;
 use std::sync::Arc;

@@ -8,9 +8,9 @@ use std::f64::consts::PI;
 use volmap_figures::picture::colours::DISTINCT;
 use volmap_fluid::Error;
 use volmap_fluid::bodies::{BodyDescription, FluidContact, Motion};
+use volmap_fluid::boundary::drag::Drag;
 use volmap_fluid::shapes::{Shape, cuboid};
 use volmap_fluid::simulation::Simulation;
-use volmap_fluid::viscosity::drag::Drag;
 use volmap_runtime::{DVec3, Kernel, KernelKind, Surface};
 
 /// It.

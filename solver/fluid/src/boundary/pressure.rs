@@ -17,8 +17,8 @@
 
 use super::{Boundary, Contact, Method};
 use crate::cells::Cells;
-use crate::fields::Discretization;
-use crate::pairs::lanes::Quad;
+use crate::discretization::Discretization;
+use crate::pairs::Quad;
 use crate::settings::BoundaryPressure;
 use glam::{DMat3, IVec3};
 use rayon::prelude::*;

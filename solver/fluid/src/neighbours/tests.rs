@@ -2,9 +2,10 @@
 
 use super::*;
 use crate::fields::Fields;
-use crate::pairs::Pair;
 use crate::pairs::lanes::{Plain, Work};
+use crate::pairs::{Pair, SLICE};
 use crate::particles::Particles;
+use std::ops::Range;
 use volmap_runtime::{DVec3, Dimension, KernelKind};
 
 /// The numbers of SplitMix64 (Steele et al. 2014), 0 to 1.
@@ -71,10 +72,10 @@ impl Neighbours {
         densities.resize(places.len(), Density::default());
         let sought = Sought { with, bends: true };
         let build = |block: &Block| {
-            let (mut lists, mut workspace) = (Lists::default(), Workspace::default());
+            let (mut lists, mut room, mut table) = (Lists::default(), Room::default(), Quads::default());
             let out = &mut densities[block.particles.clone()];
-            let (workspace, into) = (&mut workspace, &mut lists);
-            let work = Build { cells, block, places, sought, workspace, lists: into, out };
+            let (room, table, into) = (&mut room, &mut table, &mut lists);
+            let work = Build { cells, block, places, sought, room, table, lists: into, out };
             WithKernel { kernel: with.kernel, work }.run::<Plain>();
             lists
         };

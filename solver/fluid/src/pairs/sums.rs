@@ -1,9 +1,9 @@
 //! The sums over the neighbours of a block's particles. Each takes a [table](super::table) of what is summed.
 
-use super::lanes::{Lanes, Quad, Work, dispatch};
+use super::lanes::{Lanes, Work};
+use super::lists::Lists;
 use super::table::{Numbers, Quads};
-use super::{Row, SLICE, Symmetric};
-use crate::neighbours::Lists;
+use super::{Quad, Row, SLICE, Symmetric, dispatch};
 
 /// -(P_i grad D_i + the sum of P_j V grad W_ij), for the pressures P of the table, those of the block's particles and their
 /// gradients of the density.
