@@ -266,9 +266,9 @@ impl BlockContacts {
                 Method::VolumeMap(Some(closure)) => closure.volume(near),
                 _ => near.volume,
             };
-            let of = [(pairing.first + within) as u32, pairing.body as u32];
+            let (particle, body) = ((pairing.first + within) as u32, pairing.body as u32);
             let wide = volmap_runtime::Surface { volume, ..*near };
-            self.drags.extend(Drag::new(of, pairing.positions[within], &wide, contact, kernel));
+            self.drags.extend(Drag::new(particle, body, pairing.positions[within], &wide, contact, kernel));
         }
     }
 }

@@ -125,8 +125,7 @@ impl Channels {
 
     /// As [`Particles::reorder`](crate::particles::Particles::reorder).
     pub(crate) fn reorder(&mut self, order: &[u32], spare: &mut Channels) {
-        let alike = |(own, other): (&Channel, &Channel)| own.declaration == other.declaration;
-        if spare.list.len() != self.list.len() || !self.list.iter().zip(&spare.list).all(alike) {
+        if !spare.are_those_of(self) {
             *spare = self.clone();
         }
         for (channel, spare) in self.list.iter().zip(&mut spare.list) {
@@ -137,6 +136,14 @@ impl Channels {
             }
         }
         std::mem::swap(self, spare);
+    }
+
+    /// Whether they are declared as others are.
+    pub(crate) fn are_those_of(&self, other: &Channels) -> bool {
+        self.list
+            .iter()
+            .map(|channel| channel.declaration)
+            .eq(other.list.iter().map(|other| other.declaration))
     }
 
     /// Whether all have this many values.

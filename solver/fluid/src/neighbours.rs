@@ -13,6 +13,7 @@ use crate::discretization::Discretization;
 use crate::pairs::kernels::KernelLanes;
 use crate::pairs::lanes::Lanes;
 use crate::pairs::lists::Lists;
+pub use crate::pairs::lists::Neighbour;
 use crate::pairs::table::Quads;
 use crate::pairs::{Density, Quad, Units, WithKernel, WorkOfKernel, dispatch, workspace};
 use rayon::prelude::*;
@@ -102,6 +103,14 @@ impl Neighbours {
         values: &'a mut [T],
     ) -> impl IndexedParallelIterator<Item = (&'a Lists, &'a mut [T])> {
         self.lists.par_iter().zip(self.split(values))
+    }
+
+    /// Shows every particle with its neighbours and its value to `f`, on all threads: for forces of a program's own. The solver's
+    /// own sums are faster, as they read values from tables.
+    pub fn each<T: Send>(&self, values: &mut [T], f: impl Fn(usize, &[Neighbour], &mut T) + Sync) {
+        self.with(values).for_each_init(Default::default, |(numbers, near), (lists, values)| {
+            lists.each(numbers, near, |within, near| f(lists.first + within, near, &mut values[within]));
+        });
     }
 
     /// Pairs, each counted from both sides.

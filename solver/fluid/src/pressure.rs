@@ -127,11 +127,11 @@ impl Fields {
         solve.neighbours.with(&mut accelerations).enumerate().for_each(|(block, (lists, out))| {
             workspace::work(lists, |workspace| {
                 workspace.numbers.fill(lists.table(), all.fluid);
-                let own = (&all.fluid[lists.particles()], &gradients[lists.particles()]);
+                let (own, gradients) = (&all.fluid[lists.particles()], &gradients[lists.particles()]);
                 let room = Room { sums: &mut workspace.sums, out };
-                sums::accelerations(lists, &workspace.numbers, own, room);
+                sums::accelerations(lists, &workspace.numbers, own, gradients, room);
             });
-            solve.wall.accelerate(solve.boundary, (block, lists.first), all, out);
+            solve.wall.accelerate(solve.boundary, block, lists.first, all, out);
         });
         self.accelerations = accelerations;
     }
@@ -190,8 +190,9 @@ fn step_by(out: &mut [f32], pressures: &[f32], sources: &[f32], steps: &[f32]) -
 fn flux(lists: &Lists, field: &[Quad], gradients: &[Quad], out: &mut [f32]) {
     workspace::work(lists, |workspace| {
         workspace.vectors.fill(lists.table(), field);
-        let own = (&field[lists.particles()], &gradients[lists.particles()]);
-        sums::fluxes(lists, &workspace.vectors, own, Room { sums: &mut workspace.fluxes, out });
+        let (own, gradients) = (&field[lists.particles()], &gradients[lists.particles()]);
+        let room = Room { sums: &mut workspace.fluxes, out };
+        sums::fluxes(lists, &workspace.vectors, own, gradients, room);
     });
 }
 

@@ -131,7 +131,7 @@ fn rate(height: f64, contact: FluidContact) -> f64 {
         closest_point: DVec3::ZERO,
         volume: half_space_volume(height),
     };
-    let drag = Drag::new([0, 0], DVec3::Y * height, &wall, contact, &kernel);
+    let drag = Drag::new(0, 0, DVec3::Y * height, &wall, contact, &kernel);
     drag.map_or(0.0, |drag| drag.tangential)
 }
 

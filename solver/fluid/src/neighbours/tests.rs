@@ -123,6 +123,24 @@ fn check(positions: &[DVec3], radius: f64, slack: f64) {
     assert_eq!(all, neighbours.entries());
 }
 
+/// What programs are shown is what the sums read.
+#[test]
+fn each_particle_is_shown_with_its_neighbours() {
+    let Arranged { positions, neighbours, .. } = arrange(&random_points(700, 0.4, 8), 0.1);
+    let mut shown = vec![Vec::new(); positions.len()];
+    neighbours.each(&mut shown, |own, near, out| *out = near.iter().map(|one| (own, *one)).collect());
+    for lists in neighbours.lists() {
+        for within in 0..lists.len() {
+            let own = lists.first + within;
+            let gradient = |[x, y, z, _]: Pair| [x, y, z].map(|number| lists.unit() * f32::from(number));
+            let wanted = listed(lists, within).into_iter();
+            let wanted =
+                wanted.map(|(particle, pair)| (own, Neighbour { particle, gradient: gradient(pair) }));
+            assert!(shown[own].iter().copied().eq(wanted));
+        }
+    }
+}
+
 #[test]
 fn lists_are_those_of_all_pairs() {
     for count in [0, 1, 2, 7, 8, 9, 255, 256, 257, 512, 1500] {

@@ -3,6 +3,15 @@
 use super::{Row, SLICE, Units};
 use std::ops::Range;
 
+/// What one particle is to another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Neighbour {
+    /// The other one.
+    pub particle: usize,
+    /// V grad W_ij, 1/m, i the particle whose neighbour it is; to 2e-5 of the largest one.
+    pub gradient: [f32; 3],
+}
+
 /// The pairs of the particles of a block.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Lists {
@@ -50,6 +59,34 @@ impl Lists {
     /// The particles of the block.
     pub fn particles(&self) -> Range<usize> {
         self.first..self.first + self.count
+    }
+
+    /// What each particle of the block has as neighbours, in no particular order; `numbers` and `near` are room.
+    pub(crate) fn each(
+        &self,
+        numbers: &mut Vec<u32>,
+        near: &mut Vec<Neighbour>,
+        mut f: impl FnMut(usize, &[Neighbour]),
+    ) {
+        numbers.clear();
+        numbers.extend(self.table.iter().cloned().flatten());
+        let unit = self.unit();
+        for (particles, rows) in self.slices() {
+            for (lane, &particle) in particles.iter().enumerate() {
+                let within = usize::from(particle);
+                if within >= self.count {
+                    continue;
+                }
+                let pairs = self.rows[rows.clone()].iter().map(|row| row.0[lane]);
+                near.clear();
+                near.extend(pairs.filter_map(|[x, y, z, place]| {
+                    // Pairs of nobody have a place behind the last one.
+                    let particle = *numbers.get(usize::from(place as u16) / 2)? as usize;
+                    Some(Neighbour { particle, gradient: [x, y, z].map(|number| unit * f32::from(number)) })
+                }));
+                f(within, near);
+            }
+        }
     }
 
     /// What a table has: ranges of particles.

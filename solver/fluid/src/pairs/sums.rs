@@ -10,7 +10,8 @@ use super::{Quad, Row, SLICE, Symmetric, dispatch};
 pub fn accelerations(
     lists: &Lists,
     table: &Numbers,
-    (pressures, gradients): (&[f32], &[Quad]),
+    pressures: &[f32],
+    gradients: &[Quad],
     work: Room<Quad>,
 ) {
     dispatch(Accelerations { lists, table, pressures, gradients, work });
@@ -18,7 +19,7 @@ pub fn accelerations(
 
 /// u_i . grad D_i - the sum of u_j . V grad W_ij, for the vectors u of the table, those of the block's particles and their
 /// gradients of the density.
-pub fn fluxes(lists: &Lists, table: &Quads, (own, gradients): (&[Quad], &[Quad]), work: Room<f32>) {
+pub fn fluxes(lists: &Lists, table: &Quads, own: &[Quad], gradients: &[Quad], work: Room<f32>) {
     dispatch(Fluxes { lists, table, own, gradients, work });
 }
 

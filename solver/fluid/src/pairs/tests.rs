@@ -88,8 +88,8 @@ impl Fluid {
             let (mut table, gradients) = (Numbers::default(), self.gradients(lists));
             let (mut sums, mut out) = (vec![[0.0; 4]; lists.len() + 1], vec![[1.0; 4]; lists.len()]);
             table.fill(lists.table(), &self.pressures);
-            let own = (&self.pressures[lists.particles()], &gradients[..]);
-            sums::accelerations(lists, &table, own, Room { sums: &mut sums, out: &mut out });
+            let own = &self.pressures[lists.particles()];
+            sums::accelerations(lists, &table, own, &gradients, Room { sums: &mut sums, out: &mut out });
             assert!(out.iter().all(|quad| quad[3] == 0.0));
             out.into_iter().map(vector3).collect::<Vec<_>>()
         };
@@ -102,8 +102,8 @@ impl Fluid {
             let (mut table, gradients) = (Quads::default(), self.gradients(lists));
             let (mut sums, mut out) = (vec![0.0; lists.len() + 1], vec![0.0; lists.len()]);
             table.fill(lists.table(), &self.velocities);
-            let own = (&self.velocities[lists.particles()], &gradients[..]);
-            sums::fluxes(lists, &table, own, Room { sums: &mut sums, out: &mut out });
+            let own = &self.velocities[lists.particles()];
+            sums::fluxes(lists, &table, own, &gradients, Room { sums: &mut sums, out: &mut out });
             out.into_iter().map(f64::from).collect::<Vec<_>>()
         };
         self.neighbours.lists().iter().flat_map(block).collect()
@@ -331,7 +331,8 @@ fn all_lanes_give_the_same_bits() {
             sums::accelerations(
                 lists,
                 &numbers,
-                (pressures, gradients),
+                pressures,
+                gradients,
                 Room { sums: &mut a, out: &mut b[..count] },
             );
             let work = Room { sums: &mut c[..], out: &mut d[..count] };
@@ -339,7 +340,7 @@ fn all_lanes_give_the_same_bits() {
             assert!(b == d, "accelerations {kernel}");
             let [mut room, mut fluxes, mut same] = [(); 3].map(|()| vec![0.0; count + 1]);
             let work = Room { sums: &mut room[..], out: &mut fluxes[..count] };
-            sums::fluxes(lists, &table, (own, gradients), work);
+            sums::fluxes(lists, &table, own, gradients, work);
             let work = Room { sums: &mut room[..], out: &mut same[..count] };
             sums::Fluxes { lists, table: &table, own, gradients, work }.run::<Plain>();
             assert!(fluxes == same, "fluxes {kernel}");
