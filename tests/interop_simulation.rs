@@ -31,6 +31,7 @@ fn other_programs_read_the_particles() {
         density: &density,
         pressure: &pressure,
         ids: &ids,
+        channels: &[],
         bodies: &[],
     };
     for format in [ParticleFormat::Vtu, ParticleFormat::Ply, ParticleFormat::Bgeo] {

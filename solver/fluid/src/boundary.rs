@@ -11,6 +11,7 @@
 //! the method.
 
 pub mod density_map;
+pub mod drag;
 pub mod particles;
 pub mod pressure;
 pub mod sampling;
@@ -21,7 +22,7 @@ use crate::bodies::{Bodies, FluidContact};
 use crate::error::Error;
 use crate::neighbours::Neighbours;
 use crate::settings::{BoundaryMethod, FluidSettings, World};
-use crate::viscosity::drag::Drag;
+use drag::Drag;
 use particles::BodyParticles;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -265,9 +266,9 @@ impl BlockContacts {
                 Method::VolumeMap(Some(closure)) => closure.volume(near),
                 _ => near.volume,
             };
-            let of = [(pairing.first + within) as u32, pairing.body as u32];
+            let (particle, body) = ((pairing.first + within) as u32, pairing.body as u32);
             let wide = volmap_runtime::Surface { volume, ..*near };
-            self.drags.extend(Drag::new(of, pairing.positions[within], &wide, contact, kernel));
+            self.drags.extend(Drag::new(particle, body, pairing.positions[within], &wide, contact, kernel));
         }
     }
 }

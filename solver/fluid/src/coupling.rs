@@ -3,8 +3,6 @@
 
 use crate::bodies::Bodies;
 use crate::boundary::Contact;
-use crate::fields::Fields;
-use crate::pressure::Solve;
 use volmap_runtime::DVec3;
 
 /// Force and torque, or linear and angular acceleration, of each body.
@@ -17,15 +15,6 @@ pub fn push(bodies: &mut Bodies, forces: &[[DVec3; 2]]) {
             bodies.apply(body, force, torque);
         }
     }
-}
-
-/// Force and torque about the centre of mass of each body by a solve's pressures; zero if no body is free. `mass` is a
-/// particle's, kg.
-pub fn forces(bodies: &Bodies, fields: &Fields, solve: &Solve, mass: f64) -> Motions {
-    let free = (0..bodies.posed().len()).any(|body| bodies.is_free(body));
-    let contacts = solve.boundary.contacts().filter(|_| free);
-    let pressures = fields.all_pressures();
-    sum(bodies, contacts, |contact| solve.wall.factor(pressures, contact), mass)
 }
 
 /// Force and torque about the centre of mass of each body at these contacts; `factor` is what a contact's gradient is

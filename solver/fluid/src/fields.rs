@@ -1,27 +1,10 @@
 //! What a step computes of the particles. Made anew in every step; only [`crate::particles::Particles`] lasts.
 
 use crate::boundary::Boundary;
-use crate::pairs::Density;
-use crate::pairs::lanes::Quad;
-use crate::particles::Particles;
+use crate::pairs::{Density, Quad};
+use crate::particles::{CHUNK, Particles};
 use rayon::prelude::*;
-use volmap_runtime::{DVec3, Dimension, KernelKind};
-
-/// What the sums over neighbours are made with.
-#[derive(Clone, Copy, Debug)]
-pub struct Discretization {
-    /// The kernel.
-    pub kernel: KernelKind,
-    /// Its support radius r, metres.
-    pub support_radius: f64,
-    /// Volume V of a particle, m^3; in two dimensions as [`World::volume_in_sums`](crate::settings::World::volume_in_sums) has it.
-    pub volume: f64,
-    /// In how many dimensions: of the Laplacian.
-    pub dimension: Dimension,
-}
-
-/// Particles that are worked on together where only their own values count.
-pub(crate) const CHUNK: usize = 1024;
+use volmap_runtime::DVec3;
 
 /// One value for each particle, in their order. The fourth number of a quad is 0.
 #[derive(Clone, Debug, Default)]
@@ -112,14 +95,14 @@ impl Fields {
         self.pressures.clear();
         self.pressures.extend(pressures.iter().map(|pressure| part * pressure));
     }
+}
 
-    /// v <- v + dt a.
-    pub fn accelerate(&mut self, dt: f64) {
-        let dt = dt as f32;
-        self.velocities.par_iter_mut().zip(&self.accelerations).with_min_len(CHUNK).for_each(|(v, a)| {
-            for axis in 0..3 {
-                v[axis] += dt * a[axis];
-            }
-        });
-    }
+/// v <- v + dt a.
+pub(crate) fn accelerate(velocities: &mut [Quad], accelerations: &[Quad], dt: f64) {
+    let dt = dt as f32;
+    velocities.par_iter_mut().zip(accelerations).with_min_len(CHUNK).for_each(|(v, a)| {
+        for axis in 0..3 {
+            v[axis] += dt * a[axis];
+        }
+    });
 }

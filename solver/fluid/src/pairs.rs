@@ -25,11 +25,13 @@
 mod avx2;
 pub(crate) mod kernels;
 pub(crate) mod lanes;
+pub mod lists;
 pub(crate) mod sums;
 pub(crate) mod table;
-pub(crate) mod viscosity;
+pub(crate) mod velocities;
+pub(crate) mod workspace;
 
-use crate::fields::Discretization;
+use crate::discretization::Discretization;
 use kernels::{CubicSpline, KernelLanes, Poly6, Spiky, WendlandC2};
 use lanes::{Lanes, Work};
 use volmap_runtime::KernelKind;
@@ -46,6 +48,9 @@ pub struct Row(pub [Pair; SLICE]);
 
 /// The largest number of a pair, which rounding doesn't raise above that of 16 bits.
 const LARGEST: f32 = 32_766.0;
+
+/// Four numbers of a particle, which are read together: a place or a vector, and 0.
+pub type Quad = [f32; 4];
 
 /// A symmetric matrix: xx, yy, zz, xy, xz, yz.
 pub type Symmetric = [f32; 6];
@@ -98,6 +103,14 @@ impl Units {
             laplacian: -laplacian as f32,
         }
     }
+}
+
+/// Does the work with the widest vectors that this processor has.
+#[inline]
+pub(crate) fn dispatch(work: impl Work) {
+    #[cfg(target_arch = "x86_64")]
+    let Some(work) = avx2::run(work) else { return };
+    work.run::<lanes::Plain>();
 }
 
 /// What can be done with any kernel on any lanes.

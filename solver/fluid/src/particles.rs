@@ -1,7 +1,10 @@
 //! The fluid's particles: structure of arrays, in the order of the cells.
 
-use rayon::prelude::*;
+use crate::channels::{Channels, reorder};
 use volmap_runtime::DVec3;
+
+/// Particles that are worked on together where only their own values count.
+pub(crate) const CHUNK: usize = 1024;
 
 /// The state that one step hands to the next. All arrays are of one length.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -14,8 +17,8 @@ pub struct Particles {
     pub pressures: Vec<f32>,
     /// The same of the divergence solve.
     pub divergence_pressures: Vec<f32>,
-    /// Changes of the velocities by implicit viscosity and the drag of bodies in the last step, m/s: where the next solve begins.
-    pub viscous_changes: Vec<[f32; 3]>,
+    /// What forces have each particle carry.
+    pub channels: Channels,
     /// Names of the particles: the order in which they came.
     pub ids: Vec<u32>,
     /// The next name.
@@ -40,7 +43,7 @@ impl Particles {
         self.velocities.extend_from_slice(velocities);
         self.pressures.resize(count, 0.0);
         self.divergence_pressures.resize(count, 0.0);
-        self.viscous_changes.resize(count, [0.0; 3]);
+        self.channels.resize(count);
         self.ids.extend((0..positions.len() as u32).map(|i| self.next_id + i));
         self.next_id += positions.len() as u32;
     }
@@ -48,19 +51,15 @@ impl Particles {
     /// Whether all lists have one length.
     pub fn is_even(&self) -> bool {
         let count = self.len();
-        let others = [
-            self.velocities.len(),
-            self.pressures.len(),
-            self.divergence_pressures.len(),
-            self.viscous_changes.len(),
-            self.ids.len(),
-        ];
-        others.iter().all(|&other| other == count)
+        let others =
+            [self.velocities.len(), self.pressures.len(), self.divergence_pressures.len(), self.ids.len()];
+        others.iter().all(|&other| other == count) && self.channels.are_of(count)
     }
 
     /// Bytes held.
     pub fn memory_bytes(&self) -> usize {
-        self.positions.capacity() * (size_of::<DVec3>() + 2 * size_of::<[f32; 3]>() + 3 * size_of::<f32>())
+        let own = size_of::<DVec3>() + size_of::<[f32; 3]>() + 3 * size_of::<f32>();
+        self.positions.capacity() * (own + self.channels.bytes_of_particle())
     }
 
     /// Puts the particles into a new order, which may leave some out: old indices. `spare` is room, which becomes what was.
@@ -69,13 +68,9 @@ impl Particles {
         reorder(&self.velocities, order, &mut spare.velocities);
         reorder(&self.pressures, order, &mut spare.pressures);
         reorder(&self.divergence_pressures, order, &mut spare.divergence_pressures);
-        reorder(&self.viscous_changes, order, &mut spare.viscous_changes);
+        self.channels.reorder(order, &mut spare.channels);
         reorder(&self.ids, order, &mut spare.ids);
         spare.next_id = self.next_id;
         std::mem::swap(self, spare);
     }
-}
-
-fn reorder<T: Copy + Send + Sync>(values: &[T], order: &[u32], out: &mut Vec<T>) {
-    order.par_iter().with_min_len(1024).map(|&old| values[old as usize]).collect_into_vec(out);
 }

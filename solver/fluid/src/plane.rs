@@ -7,7 +7,7 @@
 use crate::bodies::{Bodies, FluidContact};
 use crate::error::Error;
 use crate::settings::{BoundaryMethod, World};
-use crate::simulation::Setup;
+use crate::setup::Setup;
 use volmap_runtime::{ClosureKind, Dimension, Kernel};
 
 impl World {

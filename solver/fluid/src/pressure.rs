@@ -8,27 +8,23 @@
 //! asked for ([`crate::boundary::pressure`]): without it, forces are the gradient of what is to be kept constant, so that
 //! the solves take no energy from the boundary and give it none. The closure `mirror` has the image's part in its gradient.
 
+use crate::bodies::Bodies;
 use crate::boundary::Boundary;
 use crate::boundary::pressure::{Pressures, WallPressure};
-use crate::fields::{Discretization, Fields};
-use crate::neighbours::{self, Lists, Neighbours};
-use crate::pairs::lanes::Quad;
+use crate::coupling::{self, Motions};
+use crate::discretization::Discretization;
+use crate::fields::Fields;
+use crate::neighbours::Neighbours;
+use crate::pairs::lists::Lists;
 use crate::pairs::sums::{self, Room};
+use crate::pairs::{Quad, workspace};
+use crate::report::SolveReport;
 use crate::response::Response;
 use crate::settings::SolveSettings;
 use rayon::prelude::*;
 
 /// Factors times r^2 below this are those of particles without neighbours.
 const SMALLEST_FACTOR: f32 = 1e-8;
-
-/// How a solve went.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct SolveReport {
-    /// Jacobi steps.
-    pub iterations: u32,
-    /// Mean error left, in parts of the rest density.
-    pub error: f64,
-}
 
 /// Particles whose density is below this may be compressed: those at the surface, spray, and blocks that begin loosely. Their
 /// divergence is left alone.
@@ -129,13 +125,13 @@ impl Fields {
         let mut accelerations = std::mem::take(&mut self.accelerations);
         let (all, gradients) = (self.all_pressures(), &self.gradients);
         solve.neighbours.with(&mut accelerations).enumerate().for_each(|(block, (lists, out))| {
-            neighbours::work(lists, |workspace| {
+            workspace::work(lists, |workspace| {
                 workspace.numbers.fill(lists.table(), all.fluid);
-                let own = (&all.fluid[lists.particles()], &gradients[lists.particles()]);
+                let (own, gradients) = (&all.fluid[lists.particles()], &gradients[lists.particles()]);
                 let room = Room { sums: &mut workspace.sums, out };
-                sums::accelerations(lists, &workspace.numbers, own, room);
+                sums::accelerations(lists, &workspace.numbers, own, gradients, room);
             });
-            solve.wall.accelerate(solve.boundary, (block, lists.first), all, out);
+            solve.wall.accelerate(solve.boundary, block, lists.first, all, out);
         });
         self.accelerations = accelerations;
     }
@@ -192,11 +188,21 @@ fn step_by(out: &mut [f32], pressures: &[f32], sources: &[f32], steps: &[f32]) -
 /// How fast a vector field compresses the particles of a block: the sum of V (u_i - u_j) . grad W_ij + u_i . grad rho_B / rho_0, which
 /// is dD/dt for a velocity among bodies at rest.
 fn flux(lists: &Lists, field: &[Quad], gradients: &[Quad], out: &mut [f32]) {
-    neighbours::work(lists, |workspace| {
+    workspace::work(lists, |workspace| {
         workspace.vectors.fill(lists.table(), field);
-        let own = (&field[lists.particles()], &gradients[lists.particles()]);
-        sums::fluxes(lists, &workspace.vectors, own, Room { sums: &mut workspace.fluxes, out });
+        let (own, gradients) = (&field[lists.particles()], &gradients[lists.particles()]);
+        let room = Room { sums: &mut workspace.fluxes, out };
+        sums::fluxes(lists, &workspace.vectors, own, gradients, room);
     });
+}
+
+/// Force and torque about the centre of mass of each body by a solve's pressures; zero if no body is free. `mass` is a
+/// particle's, kg.
+pub fn forces_on_bodies(bodies: &Bodies, fields: &Fields, solve: &Solve, mass: f64) -> Motions {
+    let free = (0..bodies.posed().len()).any(|body| bodies.is_free(body));
+    let contacts = solve.boundary.contacts().filter(|_| free);
+    let pressures = fields.all_pressures();
+    coupling::sum(bodies, contacts, |contact| solve.wall.factor(pressures, contact), mass)
 }
 
 /// What a solve works on.

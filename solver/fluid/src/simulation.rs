@@ -6,41 +6,26 @@ use crate::boundary::Boundary;
 use crate::boundary::pressure::{self, Extrapolation, WallPressure};
 use crate::cells::Cells;
 use crate::coupling;
+use crate::discretization::Discretization;
 use crate::emitter::Emitter;
 use crate::error::Error;
-use crate::fields::{CHUNK, Discretization, Fields};
+use crate::fields::{self, Fields};
+use crate::forces::{Force, Forces, Step};
 use crate::neighbours::{Neighbours, Sought};
 use crate::pairs::table::MOST;
-use crate::particles::Particles;
+use crate::particles::{CHUNK, Particles};
 use crate::plane;
-use crate::pressure::{Solve, SolveReport};
+use crate::pressure::{Solve, forces_on_bodies};
+use crate::report::SolveReport;
 use crate::response::Response;
 use crate::settings::{FluidSettings, SolveSettings, SolverSettings, World};
+use crate::setup::Setup;
 use crate::stages::Stages;
 use crate::strays;
-use crate::time_step::{time_step, viscous_limit};
-use crate::viscosity::{ViscousSolver, ViscousSystem};
+use crate::time_step::time_step;
 use rayon::prelude::*;
 use volmap_formats::text::number;
 use volmap_runtime::DVec3;
-
-/// What a simulation begins with. Numbers must be finite and in range: see `volmap_scenes`.
-pub struct Setup {
-    /// Particle radius, support radius, kernel, closure, gravity.
-    pub world: World,
-    /// What the fluid is.
-    pub fluid: FluidSettings,
-    /// How it is solved.
-    pub solver: SolverSettings,
-    /// The fluid at the start.
-    pub particles: Particles,
-    /// What adds to it.
-    pub emitters: Vec<Emitter>,
-    /// What it touches; maps of the world's support radius.
-    pub bodies: Bodies,
-    /// Particles that leave this box are removed. Default: fluid and bodies of the start, thrice as wide and more.
-    pub domain: Option<[DVec3; 2]>,
-}
 
 /// A fluid, the bodies around it, and the time.
 pub struct Simulation {
@@ -65,7 +50,7 @@ pub struct Simulation {
     boundary: Boundary,
     extrapolation: Extrapolation,
     fields: Fields,
-    viscous: ViscousSolver,
+    forces: Forces,
     stages: Stages,
 }
 
@@ -102,7 +87,7 @@ pub struct StepReport {
     pub density: SolveReport,
     /// The divergence solve.
     pub divergence: SolveReport,
-    /// The viscous solve, of velocities instead of densities: [`crate::viscosity`].
+    /// The solves of implicit forces, as that of [viscosity](crate::forces::implicit_viscosity): iterations of all, the largest error.
     pub viscosity: SolveReport,
     /// Largest speed at its beginning, m/s, that of bodies where they touch the fluid included.
     pub max_speed: f64,
@@ -122,14 +107,17 @@ impl Simulation {
     /// A simulation at time 0.
     ///
     /// # Errors
-    /// As [`Boundary::new`].
+    /// As [`Boundary::new`]; a force whose settings can't be used, or that needs a channel of another force.
     pub fn new(setup: Setup) -> Result<Simulation, Error> {
         plane::check(&setup)?;
-        let Setup { world, fluid, solver, particles, emitters, bodies, domain } = setup;
+        let domain = setup.domain_or_default();
+        let Setup { world, fluid, solver, mut particles, emitters, bodies, forces, own_forces, .. } = setup;
+        let forces = Forces::new(&world, &fluid, &solver, &forces, own_forces);
+        prepare(&forces, &mut particles)?;
         let densities = vec![1.0; particles.len()];
         let boundary = Boundary::new(&world, &fluid, &bodies)?;
         Ok(Simulation {
-            domain: domain.unwrap_or_else(|| default_domain(&particles, &emitters, &bodies, &world)),
+            domain,
             world,
             fluid,
             solver,
@@ -147,7 +135,7 @@ impl Simulation {
             boundary,
             extrapolation: Extrapolation::default(),
             fields: Fields { densities, ..Fields::default() },
-            viscous: ViscousSolver::default(),
+            forces,
             stages: Stages::default(),
         })
     }
@@ -219,8 +207,8 @@ impl Simulation {
             )));
         }
         let first = self.step == 0 && settings.adaptive;
-        let viscous = viscous_limit(&self.fluid, &self.world);
-        let dt = time_step(settings, self.world.particle_radius, max_speed, viscous);
+        let longest = self.forces.longest_step();
+        let dt = time_step(settings, self.world.particle_radius, max_speed, longest);
         Ok(if first { dt.min(settings.initial) } else { dt })
     }
 
@@ -234,8 +222,7 @@ impl Simulation {
         self.particles.reorder(&self.order, &mut self.spare);
         self.fields.place(&self.particles, radius);
         self.stages.end(|stages| &mut stages.sort);
-        let [_, implicit] = self.fluid.viscosities();
-        let bends = implicit > 0.0;
+        let bends = self.forces.iter().any(Force::needs_bends);
         let sought = Sought { with: self.discretization(), bends };
         let Fields { places, neighbourhoods, .. } = &mut self.fields;
         let found = self.neighbours.find(&self.cells, places, sought, neighbourhoods);
@@ -275,34 +262,30 @@ impl Simulation {
         report
     }
 
+    /// All other forces: explicit ones, then implicit ones.
     fn add_non_pressure(&mut self, dt: f64) -> SolveReport {
-        let forces = (&self.fluid, self.world.gravity);
-        self.fields.compute_non_pressure(self.discretization(), &self.neighbours, forces, dt);
-        self.fields.accelerate(dt);
-        let report = self.solve_viscosity(dt);
-        self.stages.end(|stages| &mut stages.non_pressure);
-        report
-    }
-
-    /// Implicit viscosity and the drag of bodies, where there is any.
-    fn solve_viscosity(&mut self, dt: f64) -> SolveReport {
-        let [_, viscosity] = self.fluid.viscosities();
-        if viscosity == 0.0 && self.boundary.drags().next().is_none() {
-            return SolveReport::default();
-        }
-        let system = ViscousSystem {
+        let with = self.discretization();
+        let particle_mass = self.particle_mass();
+        let Particles { positions, channels, .. } = &mut self.particles;
+        let Fields { places, densities, velocities, accelerations, .. } = &mut self.fields;
+        let step = Step {
+            dt,
+            world: &self.world,
+            with,
+            particle_mass,
             neighbours: &self.neighbours,
             boundary: &self.boundary,
             bodies: &self.bodies,
-            viscosity,
-            mass: self.particle_mass(),
-            settings: &self.solver.viscosity,
-            dt,
+            positions,
+            places,
+            densities,
         };
-        let changes = &mut self.particles.viscous_changes;
-        let (report, forces) = self.viscous.solve(&system, &mut self.fields, changes);
-        self.push(&forces);
-        report
+        self.forces.accelerate(&step, velocities, channels, accelerations);
+        fields::accelerate(velocities, accelerations, dt);
+        let solved = self.forces.solve(&step, velocities, channels);
+        self.push(&solved.on_bodies);
+        self.stages.end(|stages| &mut stages.non_pressure);
+        solved.report
     }
 
     fn correct_density_error(&mut self, dt: f64) -> SolveReport {
@@ -324,9 +307,9 @@ impl Simulation {
             Goal::Divergence => fields.correct_divergence(&solve),
             Goal::Density => fields.correct_density(&solve),
         };
-        let forces = coupling::forces(&self.bodies, &fields, &solve, self.particle_mass());
+        let forces = forces_on_bodies(&self.bodies, &fields, &solve, self.particle_mass());
         pressures.copy_from_slice(&fields.pressures);
-        fields.accelerate(dt);
+        fields::accelerate(&mut fields.velocities, &fields.accelerations, dt);
         self.fields = fields;
         *goal.pressures(&mut self.particles) = pressures;
         self.push(&forces);
@@ -477,31 +460,22 @@ impl Simulation {
 
     /// Bytes held by particles and lists.
     pub fn memory_bytes(&self) -> usize {
-        let lists = self.neighbours.memory_bytes() + self.extrapolation.memory_bytes();
+        let lists =
+            self.neighbours.memory_bytes() + self.extrapolation.memory_bytes() + self.forces.memory_bytes();
         lists + self.boundary.memory_bytes() + 2 * self.particles.memory_bytes() + self.fields.memory_bytes()
     }
 }
 
-/// Of the default domain, in support radii.
-const LEAST_MARGIN: f64 = 100.0;
-
-/// All that is there at the start, grown on each side by its own diagonal, or by what a drop may fall.
-fn default_domain(particles: &Particles, emitters: &[Emitter], bodies: &Bodies, world: &World) -> [DVec3; 2] {
-    let mut points: Vec<DVec3> = particles.positions.clone();
-    points.extend(emitters.iter().flat_map(|emitter| emitter.layer().iter().copied()));
-    for body in bodies.posed() {
-        let grid = body.map.grid();
-        for corner in 0..8 {
-            let pick = |bit: u32, min: f64, max: f64| if corner >> bit & 1 == 0 { min } else { max };
-            // In two dimensions grids are endless along z.
-            let [min, max] =
-                [grid.origin, grid.max_corner()].map(|x| if x.z.is_finite() { x } else { x.with_z(0.0) });
-            let at = DVec3::new(pick(0, min.x, max.x), pick(1, min.y, max.y), pick(2, min.z, max.z));
-            points.push(body.pose.to_world(at));
+/// Checks the forces, and gives the particles the channels that they need.
+fn prepare(forces: &Forces, particles: &mut Particles) -> Result<(), Error> {
+    for force in forces.iter() {
+        let refuse =
+            |key: &str, reason| Error::Setup { place: format!("forces.{}{key}", force.name()), reason };
+        force.check().map_err(|defect| refuse(&format!(".{}", defect.key), defect.reason))?;
+        for channel in force.channels() {
+            let count = particles.len();
+            particles.channels.declare(channel, count).map_err(|reason| refuse("", reason))?;
         }
     }
-    let min = points.iter().fold(DVec3::INFINITY, |min, &x| min.min(x));
-    let max = points.iter().fold(DVec3::NEG_INFINITY, |max, &x| max.max(x));
-    let margin = DVec3::splat((max - min).length().max(LEAST_MARGIN * world.support_radius));
-    [min - margin, max + margin]
+    Ok(())
 }

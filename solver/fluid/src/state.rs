@@ -1,6 +1,7 @@
 //! What a simulation keeps from one step to the next: with it, one of the same setup goes on with the same bits.
 
 use crate::emitter::EmitterState;
+use crate::error::Error;
 use crate::particles::Particles;
 use crate::simulation::Simulation;
 
@@ -24,6 +25,22 @@ pub struct State {
 }
 
 impl Simulation {
+    /// The state after the last step.
+    ///
+    /// # Errors
+    /// As [`Bodies::snapshot`](crate::bodies::Bodies::snapshot).
+    pub fn state(&self) -> Result<State, Error> {
+        Ok(State {
+            particles: self.particles.clone(),
+            densities: self.densities().to_vec(),
+            emitters: self.emitters.iter().map(|emitter| emitter.state).collect(),
+            bodies: self.bodies.snapshot()?,
+            time: self.time,
+            step: self.step,
+            body_speed: self.body_speed,
+        })
+    }
+
     /// Takes a state of a simulation of the same setup.
     ///
     /// # Errors
@@ -33,6 +50,9 @@ impl Simulation {
         if !particles.is_even() || densities.len() != particles.len() || emitters.len() != self.emitters.len()
         {
             return Err("its lists have different lengths".into());
+        }
+        if !particles.channels.are_those_of(&self.particles.channels) {
+            return Err("its particles carry what other forces need".into());
         }
         // Cells are laid around all places: those of no number or out of all bounds must not get there.
         if !time.is_finite() || !particles.positions.iter().all(|&x| self.is_in_domain(x)) {

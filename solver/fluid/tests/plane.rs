@@ -6,9 +6,10 @@ use volmap_bake::area_map::{AreaSettings, bake};
 use volmap_bake::plan::GridChoice;
 use volmap_fluid::bodies::{Bodies, Motion};
 use volmap_fluid::particles::Particles;
-use volmap_fluid::settings::{BoundaryMethod, FluidSettings, SolverSettings, World};
+use volmap_fluid::settings::{BoundaryMethod, FluidSettings, World};
+use volmap_fluid::setup::Setup;
 use volmap_fluid::shapes::{Shape, baked_for, ball, cuboid};
-use volmap_fluid::simulation::{Setup, Simulation};
+use volmap_fluid::simulation::Simulation;
 use volmap_formats::mesh::Outline;
 use volmap_runtime::{ClosureKind, DVec3, Dimension, VolumeMap};
 
@@ -58,14 +59,10 @@ fn setup(world: World, shape: &Shape) -> Setup {
     let places: Vec<DVec3> = (0..across * LAYERS).map(place).collect();
     let mut particles = Particles::default();
     particles.add(&places, &vec![[0.0; 3]; places.len()]);
+    let bodies = Bodies::new(vec![shape.body("tank", DVec3::ZERO, Motion::Static)], world.gravity).unwrap();
     Setup {
-        bodies: Bodies::new(vec![shape.body("tank", DVec3::ZERO, Motion::Static)], world.gravity).unwrap(),
-        world,
         fluid: FluidSettings { viscosity: 0.02, ..FluidSettings::default() },
-        solver: SolverSettings::default(),
-        particles,
-        emitters: Vec::new(),
-        domain: None,
+        ..Setup::new(world, particles, bodies)
     }
 }
 

@@ -9,8 +9,9 @@ use volmap_fluid::bodies::{
 use volmap_fluid::observe::{centre, kinetic_energy, momenta, velocities};
 use volmap_fluid::particles::Particles;
 use volmap_fluid::settings::{FluidSettings, SolverSettings, ViscosityMethod, World};
+use volmap_fluid::setup::Setup;
 use volmap_fluid::shapes::{self, Shape, cuboid};
-use volmap_fluid::simulation::{Setup, Simulation};
+use volmap_fluid::simulation::Simulation;
 use volmap_runtime::{DQuat, DVec3, Pose};
 
 const RP: f64 = 0.025;
@@ -29,18 +30,17 @@ fn thick(viscosity: f64, gravity: DVec3, bodies: Vec<BodyDescription>) -> Setup 
     let mut solver = SolverSettings::default();
     solver.density.enabled = false;
     solver.divergence.enabled = false;
+    let world = World { particle_radius: RP, support_radius: RADIUS, gravity, ..World::default() };
+    let bodies = Bodies::new(bodies, gravity).unwrap();
     Setup {
-        world: World { particle_radius: RP, support_radius: RADIUS, gravity, ..World::default() },
         fluid: FluidSettings {
             viscosity,
             viscosity_method: ViscosityMethod::Implicit,
             ..FluidSettings::default()
         },
         solver,
-        particles: Particles::default(),
-        emitters: Vec::new(),
-        bodies: Bodies::new(bodies, gravity).unwrap(),
         domain: Some([DVec3::splat(-50.0), DVec3::splat(50.0)]),
+        ..Setup::new(world, Particles::default(), bodies)
     }
 }
 

@@ -36,6 +36,7 @@ fn measure(count: usize) {
         density: &ones,
         pressure: &ones,
         ids: &ids,
+        channels: &[],
         bodies: &[],
     };
     let bounds = Bounds { low: glam::Vec3::ZERO, high: glam::Vec3::new(2.0, 1.0, 1.0) };

@@ -5,7 +5,7 @@ use crate::scene::{FreeMotion, Keyframe, Motion, Prepared, PreparedBody, Scene, 
 use std::f64::consts::PI;
 use volmap_fluid::bodies::{self, Bodies, BodyDescription, FreeBody, Interpolation, Key, Keys, Path, Weight};
 use volmap_fluid::particles::Particles;
-use volmap_fluid::simulation::Setup;
+use volmap_fluid::setup::Setup;
 use volmap_runtime::{DVec3, Pose};
 
 /// The beginning of a scene.
@@ -18,14 +18,14 @@ pub fn assemble(scene: &Scene, prepared: Prepared) -> Result<Setup, Error> {
     let velocities: Vec<[f32; 3]> = prepared.particles.velocities.iter().map(velocity).collect();
     let mut particles = Particles::default();
     particles.add(&prepared.particles.positions, &velocities);
+    let bodies = Bodies::new(descriptions, scene.gravity.into())?;
     Ok(Setup {
-        world: scene.world(),
         fluid: scene.fluid.clone(),
         solver: scene.solver.clone(),
-        particles,
+        forces: scene.forces.clone(),
         emitters: prepared.emitters,
-        bodies: Bodies::new(descriptions, scene.gravity.into())?,
-        domain: scene.domain.map(|domain| [domain.min.into(), domain.max.into()]),
+        domain: scene.domain.map(|domain| domain.corners()),
+        ..Setup::new(scene.world(), particles, bodies)
     })
 }
 

@@ -4,6 +4,7 @@ use crate::error::Error;
 use crate::output::{Checkpoint, CheckpointWriter};
 use crate::scene::{Scene, SourceFile};
 use std::path::Path;
+use volmap_fluid::channels::ChannelValues;
 use volmap_fluid::particles::Particles;
 use volmap_fluid::simulation::Simulation;
 use volmap_fluid::state::State;
@@ -58,7 +59,13 @@ pub fn save(simulation: &Simulation, frames: u64, path: &Path, identity: &Identi
     file.put_f32x3("velocities", &particles.velocities)?;
     file.put_f32("pressures", &particles.pressures)?;
     file.put_f32("divergence_pressures", &particles.divergence_pressures)?;
-    file.put_f32x3("viscous_changes", &particles.viscous_changes)?;
+    for channel in particles.channels.iter() {
+        let name = channel.declaration.name;
+        match &channel.values {
+            ChannelValues::Numbers(numbers) => file.put_f32(name, numbers)?,
+            ChannelValues::Vectors(vectors) => file.put_f32x3(name, vectors)?,
+        }
+    }
     file.put_u32("ids", &particles.ids)?;
     file.put_f32("densities", simulation.densities())?;
     file.put_f64("time", &[simulation.time(), simulation.body_speed()])?;
@@ -83,12 +90,20 @@ pub fn load(simulation: &mut Simulation, path: &Path, identity: &Identity) -> Re
     }
     let [step, next_id, frames] = fixed(&file, "step", file.get_u64("step")?)?;
     let [time, body_speed] = fixed(&file, "time", file.get_f64("time")?)?;
+    let mut channels = simulation.particles().channels.clone();
+    for channel in channels.iter_mut() {
+        let name = channel.declaration.name;
+        channel.values = match channel.values {
+            ChannelValues::Numbers(_) => ChannelValues::Numbers(file.get_f32(name)?),
+            ChannelValues::Vectors(_) => ChannelValues::Vectors(file.get_f32x3(name)?),
+        };
+    }
     let particles = Particles {
         positions: file.get_points("positions")?,
         velocities: file.get_f32x3("velocities")?,
         pressures: file.get_f32("pressures")?,
         divergence_pressures: file.get_f32("divergence_pressures")?,
-        viscous_changes: file.get_f32x3("viscous_changes")?,
+        channels,
         ids: file.get_u32("ids")?,
         next_id: next_id as u32,
     };

@@ -34,6 +34,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use volmap_documents::{At, Checked};
+use volmap_fluid::forces::ForceSettings;
 use volmap_fluid::settings::{BoundaryMethod, BoundarySampling, FluidSettings, SolverSettings, World};
 use volmap_runtime::{ClosureKind, Dimension, KernelKind};
 
@@ -78,6 +79,9 @@ pub struct Scene {
     /// The fluid's properties.
     #[serde(default)]
     pub fluid: FluidSettings,
+    /// Forces beside pressure, gravity and viscosity.
+    #[serde(default, skip_serializing_if = "ForceSettings::is_none")]
+    pub forces: ForceSettings,
     /// Boxes filled with particles at the start.
     #[serde(default)]
     pub blocks: Vec<Block>,
@@ -120,6 +124,7 @@ impl Default for Scene {
             domain: None,
             cache: None,
             fluid: FluidSettings::default(),
+            forces: ForceSettings::default(),
             blocks: Vec::new(),
             fills: Vec::new(),
             emitters: Vec::new(),
@@ -197,6 +202,7 @@ impl Scene {
         }
         check::boundary(&top, self)?;
         check::fluid(&top.key("fluid"), &self.fluid)?;
+        check::forces(&top.key("forces"), &self.forces)?;
         check::solver(&top.key("solver"), &self.solver)?;
         check::viscosity(&top.key("fluid"), &self.fluid, &self.solver, &self.world())?;
         for (i, block) in self.blocks.iter().enumerate() {

@@ -8,9 +8,11 @@ use crate::scene::{self, Picture, Prepared, PreparedBody, Scene};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
+use volmap_fluid::channels::{Channel, ChannelValues};
 use volmap_fluid::simulation::{Simulation, StepReport};
 use volmap_fluid::stages::Stages;
 use volmap_formats::asset::Exterior;
+use volmap_formats::export::points::Values;
 use volmap_formats::mesh::TriangleMesh;
 
 /// How a run begins and ends.
@@ -183,6 +185,7 @@ impl Session {
                 angular_velocity: state.angular_velocity,
             })
             .collect();
+        let channels: Vec<_> = particles.channels.iter().filter_map(in_frames).collect();
         self.output.frame(&Frame {
             time: simulation.time(),
             step: simulation.steps(),
@@ -192,6 +195,7 @@ impl Session {
             density: simulation.densities(),
             pressure: &simulation.pressures(),
             ids: &particles.ids,
+            channels: &channels,
             bodies: &bodies,
         })
     }
@@ -204,6 +208,15 @@ impl Session {
     pub fn simulation(&self) -> &Simulation {
         &self.simulation
     }
+}
+
+/// A channel of the particles, if frames have it.
+fn in_frames(channel: &Channel) -> Option<(&'static str, Values<'_>)> {
+    let values = match &channel.values {
+        ChannelValues::Numbers(numbers) => Values::F32(numbers),
+        ChannelValues::Vectors(vectors) => Values::Vector(vectors),
+    };
+    channel.declaration.in_frames.then_some((channel.declaration.name, values))
 }
 
 /// A folder with a run in it is left alone unless one says what is to be done.

@@ -5,8 +5,8 @@ use crate::validation::flow::solver;
 use volmap_fluid::Error;
 use volmap_fluid::bodies::BodyDescription;
 use volmap_fluid::settings::{BoundaryMethod, BoundaryPressure, FluidSettings};
+use volmap_fluid::setup::Setup;
 use volmap_fluid::shapes::Shape;
-use volmap_fluid::simulation::Setup;
 use volmap_formats::mesh::TriangleMesh;
 use volmap_runtime::ClosureKind;
 

@@ -20,8 +20,9 @@ use volmap_fluid::boundary::density_map::EXTENSION;
 use volmap_fluid::observe::{percentile, until};
 use volmap_fluid::particles::Particles;
 use volmap_fluid::settings::{BoundaryMethod, BoundaryPressure, FluidSettings, SolverSettings, World};
+use volmap_fluid::setup::Setup;
 use volmap_fluid::shapes::{Shape, cuboid};
-use volmap_fluid::simulation::{Setup, Simulation};
+use volmap_fluid::simulation::Simulation;
 use volmap_formats::mesh::Outline;
 use volmap_runtime::{ClosureKind, DVec3, Dimension, VolumeMap};
 
@@ -180,14 +181,11 @@ fn dam(case: Case, tank: &Shape) -> Result<Simulation, Error> {
     let mut solver =
         SolverSettings { boundary_pressure: BoundaryPressure::Mirror, ..SolverSettings::default() };
     solver.time_step.min = 1e-5;
+    let bodies = Bodies::new(vec![tank.body("tank", DVec3::ZERO, Motion::Static)], world.gravity)?;
     Simulation::new(Setup {
-        bodies: Bodies::new(vec![tank.body("tank", DVec3::ZERO, Motion::Static)], world.gravity)?,
-        world,
         fluid: FluidSettings { viscosity: 0.001, ..FluidSettings::default() },
         solver,
-        particles,
-        emitters: Vec::new(),
-        domain: None,
+        ..Setup::new(world, particles, bodies)
     })
 }
 

@@ -8,9 +8,9 @@ use std::f64::consts::PI;
 use volmap_figures::picture::colours::DISTINCT;
 use volmap_fluid::Error;
 use volmap_fluid::bodies::{BodyDescription, FluidContact, Motion};
+use volmap_fluid::boundary::drag::Drag;
 use volmap_fluid::shapes::{Shape, cuboid};
 use volmap_fluid::simulation::Simulation;
-use volmap_fluid::viscosity::drag::Drag;
 use volmap_runtime::{DVec3, Kernel, KernelKind, Surface};
 
 /// It.
@@ -131,7 +131,7 @@ fn rate(height: f64, contact: FluidContact) -> f64 {
         closest_point: DVec3::ZERO,
         volume: half_space_volume(height),
     };
-    let drag = Drag::new([0, 0], DVec3::Y * height, &wall, contact, &kernel);
+    let drag = Drag::new(0, 0, DVec3::Y * height, &wall, contact, &kernel);
     drag.map_or(0.0, |drag| drag.tangential)
 }
 

@@ -10,8 +10,9 @@ use volmap_fluid::particles::Particles;
 use volmap_fluid::settings::{
     BoundaryMethod, BoundaryPressure, BoundarySampling, FluidSettings, SolverSettings, World,
 };
+use volmap_fluid::setup::Setup;
 use volmap_fluid::shapes::{Shape, baked_by};
-use volmap_fluid::simulation::{Setup, Simulation, StepReport};
+use volmap_fluid::simulation::{Simulation, StepReport};
 use volmap_formats::mesh::TriangleMesh;
 use volmap_runtime::{ClosureKind, DVec3};
 
@@ -147,14 +148,11 @@ impl Method {
         bodies: Vec<BodyDescription>,
     ) -> Result<Setup, Error> {
         let world = self.world(radius);
+        let bodies = Bodies::new(bodies, world.gravity)?;
         Ok(Setup {
-            bodies: Bodies::new(bodies, world.gravity)?,
-            world,
             fluid,
             solver: SolverSettings { boundary_pressure: self.pressure, ..solver },
-            particles: Particles::default(),
-            emitters: Vec::new(),
-            domain: None,
+            ..Setup::new(world, Particles::default(), bodies)
         })
     }
 

@@ -5,7 +5,8 @@ use volmap_fluid::bodies::{Bodies, BodyDescription};
 use volmap_fluid::lattice::fill_box;
 use volmap_fluid::particles::Particles;
 use volmap_fluid::settings::{FluidSettings, SolverSettings, World};
-use volmap_fluid::simulation::{Setup, Simulation};
+use volmap_fluid::setup::Setup;
+use volmap_fluid::simulation::Simulation;
 use volmap_formats::mesh::TriangleMesh;
 use volmap_runtime::{DVec3, Pose};
 
@@ -30,14 +31,11 @@ pub fn water(
     let gravity = DVec3::new(0.0, -GRAVITY, 0.0);
     let mut particles = Particles::default();
     particles.add(places, &vec![[0.0; 3]; places.len()]);
+    let world = World { particle_radius, support_radius: 4.0 * particle_radius, gravity, ..World::default() };
     Simulation::new(Setup {
-        world: World { particle_radius, support_radius: 4.0 * particle_radius, gravity, ..World::default() },
         fluid: FluidSettings { viscosity, ..FluidSettings::default() },
         solver: solver(particle_radius),
-        particles,
-        emitters: Vec::new(),
-        bodies: Bodies::new(bodies, gravity)?,
-        domain: None,
+        ..Setup::new(world, particles, Bodies::new(bodies, gravity)?)
     })
 }
 

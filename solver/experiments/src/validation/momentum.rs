@@ -10,9 +10,10 @@ use volmap_fluid::bodies::{Bodies, FreeBody, Motion, Weight};
 use volmap_fluid::lattice::fill_box;
 use volmap_fluid::observe::{kinetic_energy, momenta, until, velocities};
 use volmap_fluid::particles::Particles;
-use volmap_fluid::settings::{FluidSettings, SolverSettings, World};
+use volmap_fluid::settings::{FluidSettings, World};
+use volmap_fluid::setup::Setup;
 use volmap_fluid::shapes::{Shape, baked, ball};
-use volmap_fluid::simulation::{Setup, Simulation};
+use volmap_fluid::simulation::Simulation;
 use volmap_runtime::DVec3;
 
 /// Conservation without gravity.
@@ -89,13 +90,9 @@ fn simulation(shape: &Shape, viscosity: f64) -> Result<Simulation, Error> {
     let free = FreeBody { weight: Weight::Density(500.0), ..FreeBody::default() };
     let bodies = Bodies::new(vec![shape.body("ball", DVec3::ZERO, Motion::Free(free))], world.gravity)?;
     Simulation::new(Setup {
-        world,
         fluid: FluidSettings { viscosity, ..FluidSettings::default() },
-        solver: SolverSettings::default(),
-        particles,
-        emitters: Vec::new(),
-        bodies,
         domain: Some([DVec3::splat(-20.0), DVec3::splat(20.0)]),
+        ..Setup::new(world, particles, bodies)
     })
 }
 

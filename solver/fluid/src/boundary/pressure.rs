@@ -17,8 +17,8 @@
 
 use super::{Boundary, Contact, Method};
 use crate::cells::Cells;
-use crate::fields::Discretization;
-use crate::pairs::lanes::Quad;
+use crate::discretization::Discretization;
+use crate::pairs::Quad;
 use crate::settings::BoundaryPressure;
 use glam::{DMat3, IVec3};
 use rayon::prelude::*;
@@ -235,7 +235,8 @@ impl Chunk {
     }
 }
 
-/// M^-1 v of a symmetric matrix without negative eigenvalues; those up to `least` count as infinite. By Jacobi's rotations.
+/// M^-1 v of a symmetric matrix without negative eigenvalues; those up to `least` count as infinite. By Jacobi's rotations, and not by
+/// nalgebra's: its eigenvalues differ in their last bits, and with them every run by `mls`.
 fn solve_determined(mut matrix: DMat3, vector: DVec3, least: f64) -> DVec3 {
     let mut axes = DMat3::IDENTITY;
     for sweep in 0..24 {
@@ -325,7 +326,8 @@ impl<'a> WallPressure<'a> {
     pub fn accelerate(
         &self,
         boundary: &Boundary,
-        (block, first): (usize, usize),
+        block: usize,
+        first: usize,
         pressures: Pressures,
         out: &mut [Quad],
     ) {

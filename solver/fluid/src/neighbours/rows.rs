@@ -1,10 +1,10 @@
 //! From lists of neighbours to rows of pairs, and the sums that go by the places alone: Eq. 6 of Bender et al. 2020 and alpha of
 //! Band et al. 2018, Algorithm 1.
 
-use super::Lists;
 use super::search::Near;
 use crate::pairs::kernels::{KernelLanes, SMALL};
 use crate::pairs::lanes::{Group, LANES, Lanes, places_of};
+use crate::pairs::lists::Lists;
 use crate::pairs::table::Quads;
 use crate::pairs::{Density, Row, SLICE, Units};
 

@@ -1,10 +1,11 @@
 //! The search for neighbours: the particles of a cell share the candidates of its 27 cells, which are laid side by side, and
 //! each compares itself with all of them, eight at a time.
 
-use super::Lists;
 use crate::blocks::{Block, surroundings};
 use crate::cells::Cells;
-use crate::pairs::lanes::{LANES, Lanes, Quad};
+use crate::pairs::Quad;
+use crate::pairs::lanes::{LANES, Lanes};
+use crate::pairs::lists::Lists;
 use crate::pairs::table::{FAR, Quads};
 use glam::IVec3;
 use std::ops::Range;

@@ -2,9 +2,10 @@
 
 use super::*;
 use crate::fields::Fields;
-use crate::pairs::Pair;
 use crate::pairs::lanes::{Plain, Work};
+use crate::pairs::{Pair, SLICE};
 use crate::particles::Particles;
+use std::ops::Range;
 use volmap_bake::random::Random;
 use volmap_runtime::{DVec3, Dimension, KernelKind};
 
@@ -66,10 +67,10 @@ impl Neighbours {
         densities.resize(places.len(), Density::default());
         let sought = Sought { with, bends: true };
         let build = |block: &Block| {
-            let (mut lists, mut workspace) = (Lists::default(), Workspace::default());
+            let (mut lists, mut room, mut table) = (Lists::default(), Room::default(), Quads::default());
             let out = &mut densities[block.particles.clone()];
-            let (workspace, into) = (&mut workspace, &mut lists);
-            let work = Build { cells, block, places, sought, workspace, lists: into, out };
+            let (room, table, into) = (&mut room, &mut table, &mut lists);
+            let work = Build { cells, block, places, sought, room, table, lists: into, out };
             WithKernel { kernel: with.kernel, work }.run::<Plain>();
             lists
         };
@@ -115,6 +116,24 @@ fn check(positions: &[DVec3], radius: f64, slack: f64) {
     }
     assert_eq!(all % 2, 0, "who has a neighbour is one");
     assert_eq!(all, neighbours.entries());
+}
+
+/// What programs are shown is what the sums read.
+#[test]
+fn each_particle_is_shown_with_its_neighbours() {
+    let Arranged { positions, neighbours, .. } = arrange(&random_points(700, 0.4, 8), 0.1);
+    let mut shown = vec![Vec::new(); positions.len()];
+    neighbours.each(&mut shown, |own, near, out| *out = near.iter().map(|one| (own, *one)).collect());
+    for lists in neighbours.lists() {
+        for within in 0..lists.len() {
+            let own = lists.first + within;
+            let gradient = |[x, y, z, _]: Pair| [x, y, z].map(|number| lists.unit() * f32::from(number));
+            let wanted = listed(lists, within).into_iter();
+            let wanted =
+                wanted.map(|(particle, pair)| (own, Neighbour { particle, gradient: gradient(pair) }));
+            assert!(shown[own].iter().copied().eq(wanted));
+        }
+    }
 }
 
 #[test]

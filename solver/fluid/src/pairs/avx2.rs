@@ -5,9 +5,9 @@
 //! it.
 #![allow(unsafe_code)]
 
-use super::lanes::{Group, LANES, Lanes, Quad, Work};
+use super::lanes::{Group, LANES, Lanes, Work};
 use super::table::{Numbers, Quads, ROOM};
-use super::{Pair, Row, SLICE};
+use super::{Pair, Quad, Row, SLICE};
 use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Sub};
 

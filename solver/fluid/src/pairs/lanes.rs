@@ -4,14 +4,11 @@
 //! ([`Plain`], `avx2.rs`), the bits are the same.
 
 use super::table::{Numbers, Quads};
-use super::{Pair, Row, SLICE};
+use super::{Pair, Quad, Row, SLICE};
 use std::ops::{Add, Div, Mul, Sub};
 
 /// Pairs that are evaluated together.
 pub const LANES: usize = 8;
-
-/// Four numbers of a particle, which are read together: a place or a vector, and 0.
-pub type Quad = [f32; 4];
 
 /// Places of eight particles in a [table](super::table), twice their numbers there, in the lower 16 bits of each.
 pub type Group = [u32; LANES];
@@ -124,14 +121,6 @@ fn number(place: u16) -> usize {
 pub(crate) trait Work {
     /// Must be inlined, to be compiled for the processor that has the lanes.
     fn run<V: Lanes>(self);
-}
-
-/// Does the work with the widest vectors that this processor has.
-#[inline]
-pub(crate) fn dispatch(work: impl Work) {
-    #[cfg(target_arch = "x86_64")]
-    let Some(work) = super::avx2::run(work) else { return };
-    work.run::<Plain>();
 }
 
 /// An array, of which the compiler makes the vectors that the target's baseline has.

@@ -1,16 +1,17 @@
 //! The sums over the neighbours of a block's particles. Each takes a [table](super::table) of what is summed.
 
-use super::lanes::{Lanes, Quad, Work, dispatch};
+use super::lanes::{Lanes, Work};
+use super::lists::Lists;
 use super::table::{Numbers, Quads};
-use super::{Row, SLICE, Symmetric};
-use crate::neighbours::Lists;
+use super::{Quad, Row, SLICE, Symmetric, dispatch};
 
 /// -(P_i grad D_i + the sum of P_j V grad W_ij), for the pressures P of the table, those of the block's particles and their
 /// gradients of the density.
 pub fn accelerations(
     lists: &Lists,
     table: &Numbers,
-    (pressures, gradients): (&[f32], &[Quad]),
+    pressures: &[f32],
+    gradients: &[Quad],
     work: Room<Quad>,
 ) {
     dispatch(Accelerations { lists, table, pressures, gradients, work });
@@ -18,7 +19,7 @@ pub fn accelerations(
 
 /// u_i . grad D_i - the sum of u_j . V grad W_ij, for the vectors u of the table, those of the block's particles and their
 /// gradients of the density.
-pub fn fluxes(lists: &Lists, table: &Quads, (own, gradients): (&[Quad], &[Quad]), work: Room<f32>) {
+pub fn fluxes(lists: &Lists, table: &Quads, own: &[Quad], gradients: &[Quad], work: Room<f32>) {
     dispatch(Fluxes { lists, table, own, gradients, work });
 }
 

@@ -1,7 +1,7 @@
 //! What a sum over neighbours reads of them, side by side: one quad or number for each particle of a block and around it, and one
 //! that is zero for pairs of nobody.
 
-use super::lanes::Quad;
+use super::Quad;
 use std::ops::Range;
 
 /// As many as 16 bits can tell even numbers, and one more: a [`super::Pair`] has twice the number of a particle in the table, so

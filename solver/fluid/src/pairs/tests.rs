@@ -1,13 +1,16 @@
 //! Sums over neighbours against slow ones over all pairs, in f64.
 
 use super::kernels::{CubicSpline, Poly6, SMALL, Spiky, WendlandC2};
-use super::lanes::{LANES, Lanes, Plain, Quad, Work};
+use super::lanes::{LANES, Lanes, Plain, Work};
+use super::lists::Lists;
 use super::sums::Room;
 use super::table::{Numbers, Quads};
+use super::velocities::{Laplacian, MeanDifference, Motion, OfVelocities};
+use super::workspace::Workspace;
 use super::*;
-use crate::fields::Discretization;
-use crate::neighbours::tests::{Arranged, arrange_with, listed, random, random_points};
-use crate::neighbours::{self, Lists, Neighbours};
+use crate::neighbours::Neighbours;
+use crate::neighbours::tests::{Arranged, arrange_with, listed, random, random_points, sorted};
+use std::marker::PhantomData;
 use volmap_runtime::{DVec3, Dimension, Kernel, KernelKind};
 
 const RADIUS: f64 = 0.1;
@@ -60,11 +63,11 @@ impl Fluid {
     /// Something of every particle: from its block, its number there, its index, and a sum.
     fn all<T>(
         &self,
-        sum: impl Fn(&Lists, &mut neighbours::Workspace),
-        of: impl Fn(&Lists, usize, usize, &neighbours::Workspace) -> T,
+        sum: impl Fn(&Lists, &mut Workspace),
+        of: impl Fn(&Lists, usize, usize, &Workspace) -> T,
     ) -> Vec<T> {
         let block = |lists: &Lists| {
-            neighbours::work(lists, |workspace| {
+            workspace::work(lists, |workspace| {
                 sum(lists, workspace);
                 let one = |within| of(lists, within, lists.first + within, workspace);
                 (0..lists.len()).map(one).collect::<Vec<T>>()
@@ -85,8 +88,8 @@ impl Fluid {
             let (mut table, gradients) = (Numbers::default(), self.gradients(lists));
             let (mut sums, mut out) = (vec![[0.0; 4]; lists.len() + 1], vec![[1.0; 4]; lists.len()]);
             table.fill(lists.table(), &self.pressures);
-            let own = (&self.pressures[lists.particles()], &gradients[..]);
-            sums::accelerations(lists, &table, own, Room { sums: &mut sums, out: &mut out });
+            let own = &self.pressures[lists.particles()];
+            sums::accelerations(lists, &table, own, &gradients, Room { sums: &mut sums, out: &mut out });
             assert!(out.iter().all(|quad| quad[3] == 0.0));
             out.into_iter().map(vector3).collect::<Vec<_>>()
         };
@@ -99,8 +102,8 @@ impl Fluid {
             let (mut table, gradients) = (Quads::default(), self.gradients(lists));
             let (mut sums, mut out) = (vec![0.0; lists.len() + 1], vec![0.0; lists.len()]);
             table.fill(lists.table(), &self.velocities);
-            let own = (&self.velocities[lists.particles()], &gradients[..]);
-            sums::fluxes(lists, &table, own, Room { sums: &mut sums, out: &mut out });
+            let own = &self.velocities[lists.particles()];
+            sums::fluxes(lists, &table, own, &gradients, Room { sums: &mut sums, out: &mut out });
             out.into_iter().map(f64::from).collect::<Vec<_>>()
         };
         self.neighbours.lists().iter().flat_map(block).collect()
@@ -108,20 +111,20 @@ impl Fluid {
 
     /// Laplacian of the velocities, and the sum of -V W (v_i - v_j).
     fn viscous(&self) -> [Vec<DVec3>; 2] {
-        let sum = |lists: &Lists, workspace: &mut neighbours::Workspace| {
-            workspace.vectors.fill(lists.table(), &self.velocities);
-            workspace.places.fill_places(lists.table(), &self.places);
-            let motion = viscosity::Motion { places: &workspace.places, velocities: &workspace.vectors };
-            let out = &mut workspace.viscous[..lists.len()];
-            viscosity::viscosity::<true>(lists, self.with, motion, out);
-        };
-        let both = self.all(sum, |_, within, _, workspace| workspace.viscous[within].map(vector));
-        [0, 1].map(|n| both.iter().map(|both| both[n]).collect())
+        [velocities::laplacian, velocities::mean_difference].map(|sum| {
+            let sum = |lists: &Lists, workspace: &mut Workspace| {
+                workspace.vectors.fill(lists.table(), &self.velocities);
+                workspace.places.fill_places(lists.table(), &self.places);
+                let motion = Motion { places: &workspace.places, velocities: &workspace.vectors };
+                sum(lists, self.with, motion, &mut workspace.differences[..lists.len()]);
+            };
+            self.all(sum, |_, within, _, workspace| vector(workspace.differences[within]))
+        })
     }
 
     /// The Laplacian by bends.
     fn bent(&self) -> Vec<DVec3> {
-        let sum = |lists: &Lists, workspace: &mut neighbours::Workspace| {
+        let sum = |lists: &Lists, workspace: &mut Workspace| {
             workspace.vectors.fill(lists.table(), &self.velocities);
             sums::bends(lists, lists.bends().unwrap(), &workspace.vectors, &mut workspace.sums);
         };
@@ -287,7 +290,7 @@ fn viscosity_is_the_slow_one_and_keeps_momentum() {
 fn laplacian_knows_its_own_part() {
     for kernel in KernelKind::ALL {
         let fluid = fluid(kernel);
-        let own = |lists: &Lists, within, own: usize, _: &neighbours::Workspace| {
+        let own = |lists: &Lists, within, own: usize, _: &Workspace| {
             let mut squares = vec![[0.0; 6]; lists.len()];
             sums::squares_of_bends(lists, lists.bends().unwrap(), &mut squares);
             -f64::from(lists.unit_of_bends()) * times(&squares[within], fluid.velocity(own))
@@ -310,7 +313,7 @@ fn times(&[xx, yy, zz, xy, xz, yz]: &Symmetric, v: DVec3) -> DVec3 {
 fn all_lanes_give_the_same_bits() {
     for kernel in KernelKind::ALL {
         let fluid = fluid(kernel);
-        let (cells, places) = neighbours::tests::sorted(&cloud(), RADIUS);
+        let (cells, places) = sorted(&cloud(), RADIUS);
         let mut densities = Vec::new();
         let plain = Neighbours::find_plainly(&cells, &places, with(kernel), &mut densities);
         assert!(densities == fluid.densities, "densities {kernel}");
@@ -328,7 +331,8 @@ fn all_lanes_give_the_same_bits() {
             sums::accelerations(
                 lists,
                 &numbers,
-                (pressures, gradients),
+                pressures,
+                gradients,
                 Room { sums: &mut a, out: &mut b[..count] },
             );
             let work = Room { sums: &mut c[..], out: &mut d[..count] };
@@ -336,7 +340,7 @@ fn all_lanes_give_the_same_bits() {
             assert!(b == d, "accelerations {kernel}");
             let [mut room, mut fluxes, mut same] = [(); 3].map(|()| vec![0.0; count + 1]);
             let work = Room { sums: &mut room[..], out: &mut fluxes[..count] };
-            sums::fluxes(lists, &table, (own, gradients), work);
+            sums::fluxes(lists, &table, own, gradients, work);
             let work = Room { sums: &mut room[..], out: &mut same[..count] };
             sums::Fluxes { lists, table: &table, own, gradients, work }.run::<Plain>();
             assert!(fluxes == same, "fluxes {kernel}");
@@ -349,17 +353,18 @@ fn all_lanes_give_the_same_bits() {
             assert!(first(&a) == first(&c), "bends {kernel}");
             let (mut at, with) = (Quads::default(), fluid.with);
             at.fill_places(lists.table(), &fluid.places);
-            let motion = viscosity::Motion { places: &at, velocities: &table };
-            let [mut all, mut same] = [(); 2].map(|()| vec![[[0.0; 3]; 2]; count]);
-            viscosity::viscosity::<true>(lists, with, motion, &mut all);
-            let work = viscosity::Viscosity::<true> { lists, with, motion, out: &mut same };
+            let motion = Motion { places: &at, velocities: &table };
+            let [mut sums, mut same] = [(); 2].map(|()| vec![[0.0; 3]; count]);
+            velocities::laplacian(lists, with, motion, &mut sums);
+            let work =
+                OfVelocities { lists, with, motion, summand: PhantomData::<Laplacian>, out: &mut same };
             WithKernel { kernel, work }.run::<Plain>();
-            assert!(all == same, "viscosity {kernel}");
-            viscosity::viscosity::<false>(lists, with, motion, &mut same);
-            assert!(
-                all.iter().zip(&same).all(|(a, b)| a[0] == b[0] && b[1] == [0.0; 3]),
-                "Laplacian {kernel}"
-            );
+            assert!(sums == same, "Laplacian {kernel}");
+            velocities::mean_difference(lists, with, motion, &mut sums);
+            let work =
+                OfVelocities { lists, with, motion, summand: PhantomData::<MeanDifference>, out: &mut same };
+            WithKernel { kernel, work }.run::<Plain>();
+            assert!(sums == same, "mean difference {kernel}");
         }
     }
 }

@@ -1,5 +1,6 @@
 //! The state of a simulation at one moment, for those who write or draw it.
 
+use volmap_formats::export::points::Values;
 use volmap_runtime::{DVec3, Pose};
 
 /// Particles and bodies. The lists have one element a particle, in any order.
@@ -21,6 +22,8 @@ pub struct Frame<'a> {
     pub pressure: &'a [f32],
     /// A number that a particle keeps, whatever the order.
     pub ids: &'a [u32],
+    /// What forces have each particle carry, with its name.
+    pub channels: &'a [(&'static str, Values<'a>)],
     /// Rigid bodies, in the order of the scene.
     pub bodies: &'a [BodyFrame<'a>],
 }

@@ -37,12 +37,13 @@ impl ParticleFormat {
 /// Lists of different lengths, or a file that can't be written.
 pub fn write(path: &Path, format: ParticleFormat, frame: &Frame) -> Result<(), Error> {
     let positions: Vec<[f32; 3]> = frame.positions.iter().map(|p| p.as_vec3().to_array()).collect();
-    let arrays = vec![
+    let mut arrays = vec![
         ("velocity", Values::Vector(frame.velocities)),
         ("density", Values::F32(frame.density)),
         ("pressure", Values::F32(frame.pressure)),
         ("id", Values::U32(frame.ids)),
     ];
+    arrays.extend(frame.channels);
     let points = Points { positions: &positions, arrays };
     let written = match format {
         ParticleFormat::Vtu => write_vtu(path, &points),

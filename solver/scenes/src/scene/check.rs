@@ -3,8 +3,9 @@
 use super::Scene;
 use volmap_bake::density_map::KERNELS;
 use volmap_documents::{At, Checked};
+use volmap_fluid::forces::ForceSettings;
+use volmap_fluid::forces::viscosity::viscous_limit;
 use volmap_fluid::settings::{BoundaryMethod, FluidSettings, SolveSettings, SolverSettings, World};
-use volmap_fluid::time_step::viscous_limit;
 use volmap_runtime::KernelKind;
 
 /// Whether the boundary's method goes with the other settings, and has what it needs.
@@ -67,6 +68,10 @@ pub(super) fn solver(at: &At, solver: &SolverSettings) -> Checked {
     at.require("initial", inside, || {
         format!("{} s is not within min, {} s, to max, {} s", step.initial, step.min, step.max)
     })
+}
+
+pub(super) fn forces(at: &At, forces: &ForceSettings) -> Checked {
+    forces.check().map_err(|(force, defect)| at.key(force).problem(defect.key, defect.reason))
 }
 
 /// Whether explicit viscosity is stable in the smallest step that may be taken.

@@ -82,6 +82,7 @@ impl Scene {
             density: &self.density,
             pressure: &self.pressure,
             ids: &self.ids,
+            channels: &[],
             bodies: &self.bodies,
         }
     }

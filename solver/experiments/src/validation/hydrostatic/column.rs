@@ -6,8 +6,9 @@ use volmap_fluid::lattice::fill_box;
 use volmap_fluid::observe::{centre, kinetic_energy, line, percentile, until, velocities};
 use volmap_fluid::particles::Particles;
 use volmap_fluid::settings::{BoundaryMethod, BoundaryPressure, FluidSettings, SolverSettings, World};
+use volmap_fluid::setup::Setup;
 use volmap_fluid::shapes::Shape;
-use volmap_fluid::simulation::{Setup, Simulation};
+use volmap_fluid::simulation::Simulation;
 use volmap_runtime::{ClosureKind, DVec3};
 
 /// Half of the tank's edge.
@@ -117,12 +118,8 @@ impl Column {
         let bodies = Bodies::new(bodies, world.gravity)?;
         Simulation::new(Setup {
             fluid: FluidSettings { volume_factor: self.volume_factor, ..FluidSettings::default() },
-            world,
             solver,
-            particles,
-            emitters: Vec::new(),
-            bodies,
-            domain: None,
+            ..Setup::new(world, particles, bodies)
         })
     }
 }

@@ -41,7 +41,8 @@ pub struct Drag {
 impl Drag {
     /// What `boundary`, of the body with this `contact`, is to a particle at a point; none where it is nothing.
     pub fn new(
-        [particle, body]: [u32; 2],
+        particle: u32,
+        body: u32,
         point: DVec3,
         boundary: &Surface,
         contact: FluidContact,
@@ -159,7 +160,7 @@ mod tests {
                     (FluidContact { viscosity: 0.0, friction: 1.0 }, 3.0 * boundary.normal),
                 ] {
                     let motion = Motion { particle, velocity, turn, centre };
-                    let drag = Drag::new([0, 0], x, &boundary, contact, &kernel).unwrap();
+                    let drag = Drag::new(0, 0, x, &boundary, contact, &kernel).unwrap();
                     let got = -drag.rate(particle - velocity - turn.cross(x - centre));
                     let [force, torque] =
                         four_points(&boundary, x, &motion, &kernel, contact.viscosity > 0.0);
@@ -181,13 +182,13 @@ mod tests {
         let (boundary, x) = boundary(0.03);
         let kernel = Kernel::new(KernelKind::CubicSpline, RADIUS);
         let contact = FluidContact { viscosity: 0.5, friction: 2.0 };
-        let drag = Drag::new([3, 1], x, &boundary, contact, &kernel).unwrap();
+        let drag = Drag::new(3, 1, x, &boundary, contact, &kernel).unwrap();
         let [xx, yy, zz, xy, xz, yz] = drag.matrix();
         for (axis, column) in [(DVec3::X, [xx, xy, xz]), (DVec3::Y, [xy, yy, yz]), (DVec3::Z, [xz, yz, zz])] {
             assert!((drag.rate(axis) - DVec3::from(column)).length() < 1e-12 * drag.tangential);
         }
         let (none, far) = (FluidContact::default(), Surface { distance: 0.9 * RADIUS, ..boundary });
-        assert_eq!(Drag::new([3, 1], x, &boundary, none, &kernel), None);
-        assert_eq!(Drag::new([3, 1], x, &far, contact, &kernel), None, "all four are farther than r");
+        assert_eq!(Drag::new(3, 1, x, &boundary, none, &kernel), None);
+        assert_eq!(Drag::new(3, 1, x, &far, contact, &kernel), None, "all four are farther than r");
     }
 }

@@ -8,11 +8,11 @@
 //! m is a particle's mass, u0 the body's velocity by all forces so far. The idea is that of Gissler et al. 2019, *Interlinked SPH
 //! Pressure Solvers for Strong Fluid-Rigid Coupling*.
 
-use super::drag::Drag;
 use crate::bodies::Bodies;
 use crate::boundary::Boundary;
+use crate::boundary::drag::Drag;
 use crate::coupling::Motions;
-use crate::pairs::lanes::Quad;
+use crate::pairs::Quad;
 use nalgebra::{Matrix6, Vector6};
 use volmap_runtime::DVec3;
 

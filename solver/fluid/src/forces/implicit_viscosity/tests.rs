@@ -2,10 +2,11 @@
 //! the bodies' velocities as unknowns.
 
 use super::*;
-use crate::bodies::{BodyDescription, FluidContact, FreeBody, Motion, Weight};
-use crate::fields::Discretization;
+use crate::bodies::{Bodies, BodyDescription, FluidContact, FreeBody, Motion, Weight};
+use crate::discretization::Discretization;
+use crate::fields::Fields;
 use crate::neighbours::tests::{Arranged, arrange_with, random, random_points};
-use crate::settings::{FluidSettings, ViscositySolveSettings, World};
+use crate::settings::World;
 use crate::shapes::{Shape, baked, cuboid};
 use nalgebra::{DMatrix, DVector};
 use volmap_runtime::{ClosureKind, DQuat, Dimension, Kernel, KernelKind, Pose, Sample};
@@ -87,29 +88,27 @@ fn field(count: usize, seed: u64) -> Vec<Quad> {
 }
 
 impl Scene {
-    fn system<'a>(&'a self, settings: &'a ViscositySolveSettings) -> ViscousSystem<'a> {
-        ViscousSystem {
+    fn system(&self) -> System<'_> {
+        System {
             neighbours: &self.neighbours,
             boundary: &self.boundary,
-            bodies: &self.bodies,
+            carried: Carried::new(&self.bodies, &self.boundary, MASS, DT),
             viscosity: VISCOSITY,
-            mass: MASS,
-            settings,
             dt: DT,
         }
     }
 
     /// Velocities, changes and forces.
     fn solve(&self, settings: &ViscositySolveSettings) -> (SolveReport, Vec<DVec3>, Motions) {
-        let (mut fields, mut solver) = (self.fields.clone(), ViscousSolver::default());
+        let (mut velocities, mut solver) = (self.fields.velocities.clone(), Solver::default());
         let mut changes = vec![[0.0; 3]; self.positions.len()];
-        let (report, forces) = solver.solve(&self.system(settings), &mut fields, &mut changes);
-        let velocities: Vec<DVec3> = fields.velocities.iter().map(|&v| carried::velocity(v)).collect();
+        let solved = solver.solve(&self.system(), settings, &mut velocities, &mut changes);
+        let velocities: Vec<DVec3> = velocities.iter().map(|&v| carried::velocity(v)).collect();
         for ((after, before), change) in velocities.iter().zip(&self.fields.velocities).zip(changes) {
             let change = DVec3::from_array(change.map(f64::from));
             assert!((*after - carried::velocity(*before) - change).length() < 1e-6);
         }
-        (report, velocities[..self.positions.len()].to_vec(), forces)
+        (solved.report, velocities[..self.positions.len()].to_vec(), solved.on_bodies)
     }
 
     /// Velocity of the free body at its centre and about it, by gravity and what was applied.
@@ -213,11 +212,11 @@ fn the_solve_is_that_of_the_dense_matrix() {
 #[test]
 fn the_matrix_is_symmetric_and_at_least_one() {
     let scene = scene(&shape(), false, 400);
-    let (system, count) = (scene.system(&EXACTLY), scene.positions.len());
-    let carried = Carried::new(&scene.bodies, &scene.boundary, MASS, DT);
+    let (system, count) = (scene.system(), scene.positions.len());
     let product = |field: &[Quad]| {
         let mut out = vec![[0.0; 4]; field.len()];
-        system.apply(&carried, (field, &carried.response(field)), &mut out);
+        let bodies = system.carried.response(field);
+        system.apply(&Unknowns { fluid: field, bodies: &bodies }, &mut out);
         out
     };
     let dot_all = |a: &[Quad], b: &[Quad]| a.iter().zip(b).map(|(a, b)| dot(*a, *b)).sum::<f64>();

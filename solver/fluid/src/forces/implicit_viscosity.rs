@@ -1,5 +1,5 @@
 //! Implicit viscosity and the drag of bodies: Weiler et al. 2018, *A Physically Consistent Implicit Viscosity Solver for SPH
-//! Fluids*; boundaries by Bender et al. 2020, section 4.4 ([`drag`]).
+//! Fluids*; boundaries by Bender et al. 2020, section 4.4 ([`drag`](crate::boundary::drag)).
 //!
 //! Unknown are the velocities v at the end of the step; v0 are those before it, with gravity:
 //! ```text
@@ -14,45 +14,43 @@
 //! to the rounding of [bends](crate::pairs).
 
 mod carried;
-pub mod drag;
 
-use crate::bodies::Bodies;
+use super::{Force, Solved, Step};
 use crate::boundary::Boundary;
+use crate::channels::{ChannelDeclaration, Channels, Initial};
 use crate::coupling::Motions;
-use crate::fields::{CHUNK, Fields};
-use crate::neighbours::{self, Lists, Neighbours};
-use crate::pairs::lanes::Quad;
-use crate::pairs::{Symmetric, sums};
-use crate::pressure::SolveReport;
-use crate::settings::ViscositySolveSettings;
+use crate::neighbours::Neighbours;
+use crate::pairs::lists::Lists;
+use crate::pairs::{Quad, Symmetric, sums, workspace};
+use crate::particles::CHUNK;
+use crate::report::SolveReport;
+use crate::settings::{FluidSettings, ViscositySolveSettings};
 use carried::Carried;
 use glam::DMat3;
 use rayon::prelude::*;
 use volmap_runtime::DVec3;
 
-/// What a solve works on.
-pub struct ViscousSystem<'a> {
-    /// Who is near whom; with bends where there is viscosity.
-    pub neighbours: &'a Neighbours,
-    /// Whose drag is near.
-    pub boundary: &'a Boundary,
-    /// The bodies.
-    pub bodies: &'a Bodies,
+/// Changes of the velocities in the last step, m/s: where the next solve begins.
+const CHANGES: ChannelDeclaration =
+    ChannelDeclaration { name: "viscous_changes", initial: Initial::Vector([0.0; 3]), in_frames: false };
+
+/// Viscosity and drag as a solve.
+#[derive(Clone, Debug, Default)]
+pub struct ImplicitViscosity {
     /// Kinematic viscosity of the fluid, nu, m^2/s; 0 for the bodies' drag alone.
-    pub viscosity: f64,
-    /// Mass of a particle, kg.
-    pub mass: f64,
+    viscosity: f64,
     /// When to stop.
-    pub settings: &'a ViscositySolveSettings,
-    /// Time step, seconds.
-    pub dt: f64,
+    settings: ViscositySolveSettings,
+    solver: Solver,
 }
 
 /// Room for the vectors of conjugate gradients, one for each particle.
 #[derive(Clone, Debug, Default)]
-pub struct ViscousSolver {
+struct Solver {
     residual: Vec<Quad>,
     direction: Vec<Quad>,
+    /// The system times the direction, or the preconditioned residual.
+    product: Vec<Quad>,
     /// The preconditioner.
     inverses: Vec<Symmetric>,
 }
@@ -64,51 +62,111 @@ struct Squares {
     preconditioned: f64,
 }
 
-impl ViscousSolver {
-    /// Solves for the velocities of `fields`, whose accelerations are overwritten. `changes` are those of the velocities in the
-    /// last step, with which it begins, and in this one. Force and torque of the fluid on each body come with the report.
-    pub fn solve(
+impl ImplicitViscosity {
+    /// Of a fluid; its viscosity is none if it is explicit.
+    pub fn new(fluid: &FluidSettings, settings: &ViscositySolveSettings) -> ImplicitViscosity {
+        let [_, viscosity] = fluid.viscosities();
+        ImplicitViscosity { viscosity, settings: settings.clone(), solver: Solver::default() }
+    }
+}
+
+impl Force for ImplicitViscosity {
+    fn name(&self) -> &'static str {
+        "implicit viscosity"
+    }
+
+    fn channels(&self) -> Vec<ChannelDeclaration> {
+        vec![CHANGES]
+    }
+
+    fn needs_bends(&self) -> bool {
+        self.viscosity > 0.0
+    }
+
+    fn solve(&mut self, step: &Step, velocities: &mut [Quad], channels: &mut Channels) -> Option<Solved> {
+        if self.viscosity == 0.0 && step.boundary.drags().next().is_none() {
+            return None;
+        }
+        let carried = Carried::new(step.bodies, step.boundary, step.particle_mass, step.dt);
+        let system = System {
+            neighbours: step.neighbours,
+            boundary: step.boundary,
+            carried,
+            viscosity: self.viscosity,
+            dt: step.dt,
+        };
+        let changes = channels.vectors_mut(CHANGES.name);
+        Some(self.solver.solve(&system, &self.settings, velocities, changes))
+    }
+
+    fn memory_bytes(&self) -> usize {
+        let Solver { residual, direction, product, inverses } = &self.solver;
+        let quads = residual.capacity() + direction.capacity() + product.capacity();
+        size_of::<Quad>() * quads + size_of::<Symmetric>() * inverses.capacity()
+    }
+}
+
+/// The system of equations of a step.
+struct System<'a> {
+    /// Who is near whom; with bends where there is viscosity.
+    neighbours: &'a Neighbours,
+    /// Whose drag is near.
+    boundary: &'a Boundary,
+    carried: Carried<'a>,
+    viscosity: f64,
+    dt: f64,
+}
+
+/// A vector for each particle, and the motions of the bodies that belong to it.
+struct Unknowns<'a> {
+    fluid: &'a [Quad],
+    bodies: &'a Motions,
+}
+
+impl Solver {
+    /// Solves for the velocities. `changes` are those of the velocities in the last step, with which it begins, and in this one.
+    fn solve(
         &mut self,
-        system: &ViscousSystem,
-        fields: &mut Fields,
+        system: &System,
+        settings: &ViscositySolveSettings,
+        velocities: &mut [Quad],
         changes: &mut [[f32; 3]],
-    ) -> (SolveReport, Motions) {
-        let carried = Carried::new(system.bodies, system.boundary, system.mass, system.dt);
-        let Fields { velocities, accelerations: room, .. } = fields;
+    ) -> Solved {
+        let (carried, mut room) = (&system.carried, std::mem::take(&mut self.product));
+        room.resize(velocities.len(), [0.0; 4]);
         let scale = begin(velocities, changes) + carried.square();
         self.precondition(system, velocities.len());
-        let motions = carried.velocities(velocities);
-        system.apply(&carried, (velocities, &motions), room);
-        let mut squares = self.first_residual(changes, room);
+        let bodies = carried.velocities(velocities);
+        system.apply(&Unknowns { fluid: velocities, bodies: &bodies }, &mut room);
+        let mut squares = self.first_residual(changes, &room);
         let mut report = SolveReport::default();
         loop {
             report.error = if scale > 0.0 { (squares.plain / scale).sqrt() } else { 0.0 };
-            if report.error <= system.settings.max_error
-                || report.iterations >= system.settings.max_iterations
-            {
+            if report.error <= settings.max_error || report.iterations >= settings.max_iterations {
                 break;
             }
-            let motions = carried.response(&self.direction);
-            let product = system.apply(&carried, (&self.direction, &motions), room);
+            let bodies = carried.response(&self.direction);
+            let product = system.apply(&Unknowns { fluid: &self.direction, bodies: &bodies }, &mut room);
             if product.is_nan() || product <= 0.0 {
                 break;
             }
             let step = (squares.preconditioned / product) as f32;
-            let next = self.descend(step, velocities, room);
-            self.turn((next.preconditioned / squares.preconditioned) as f32, room);
+            let next = self.descend(step, velocities, &mut room);
+            self.turn((next.preconditioned / squares.preconditioned) as f32, &room);
             squares = next;
             report.iterations += 1;
         }
+        self.product = room;
         let impulses = carried.impulses(velocities, &carried.velocities(velocities));
-        let forces = impulses.iter().map(|&[push, turn]| [push / system.dt, turn / system.dt]).collect();
+        let on_bodies = impulses.iter().map(|&[push, turn]| [push / system.dt, turn / system.dt]).collect();
         // A large residual would do harm.
-        let part = if report.error <= system.settings.max_error { 1.0 } else { 0.0 };
+        let part = if report.error <= settings.max_error { 1.0 } else { 0.0 };
         self.end(part, velocities, changes);
-        (report, forces)
+        Solved { report, on_bodies }
     }
 
     /// Inverts the diagonal blocks.
-    fn precondition(&mut self, system: &ViscousSystem, count: usize) {
+    fn precondition(&mut self, system: &System, count: usize) {
         self.inverses.resize(count, [0.0; 6]);
         let step = system.dt * system.viscosity;
         system.neighbours.with(&mut self.inverses).enumerate().for_each(|(block, (lists, out))| {
@@ -196,9 +254,10 @@ impl ViscousSolver {
     }
 }
 
-impl ViscousSystem<'_> {
-    /// Writes A u, for a field u and the bodies' motions that belong to it; the product u . A u.
-    fn apply(&self, carried: &Carried, (field, motions): (&[Quad], &Motions), out: &mut [Quad]) -> f64 {
+impl System<'_> {
+    /// Writes A u; the product u . A u.
+    fn apply(&self, of: &Unknowns, out: &mut [Quad]) -> f64 {
+        let Unknowns { fluid: field, bodies } = of;
         let viscous = (self.dt * self.viscosity) as f32;
         let blocks = self.neighbours.with(out).enumerate();
         let products: Vec<f64> = blocks
@@ -210,7 +269,7 @@ impl ViscousSystem<'_> {
                 }
                 for drag in self.boundary.drags_of_block(block) {
                     let own = carried::velocity(field[drag.particle as usize]);
-                    let lost = self.dt * drag.rate(own - carried.at(drag, motions));
+                    let lost = self.dt * drag.rate(own - self.carried.at(drag, bodies));
                     let out = &mut out[drag.particle as usize - lists.first];
                     for (out, lost) in out.iter_mut().zip(lost.to_array()) {
                         *out += lost as f32;
@@ -224,7 +283,7 @@ impl ViscousSystem<'_> {
 
     fn subtract_laplacian(&self, lists: &Lists, field: &[Quad], factor: f32, out: &mut [Quad]) {
         let bends = lists.bends().expect("asked for where there is viscosity");
-        neighbours::work(lists, |workspace| {
+        workspace::work(lists, |workspace| {
             workspace.vectors.fill(lists.table(), field);
             sums::bends(lists, bends, &workspace.vectors, &mut workspace.sums);
             for (out, sum) in out.iter_mut().zip(&workspace.sums) {
