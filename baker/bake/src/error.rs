@@ -1,5 +1,6 @@
 //! What can go wrong in a bake.
 
+use crate::watch::Cancelled;
 use std::path::PathBuf;
 use volmap_formats::asset::AssetError;
 use volmap_formats::mesh::MeshError;
@@ -40,6 +41,9 @@ pub enum Error {
         /// What is wrong with it and the cure.
         reason: String,
     },
+    /// The work was asked to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
     /// A parameter can't be used.
     #[error("{parameter}: {reason}")]
     Setting {
@@ -63,6 +67,11 @@ pub enum Error {
 }
 
 impl Error {
+    /// Whether the work ended because it was asked to.
+    pub fn is_cancelled(&self) -> bool {
+        matches!(self, Error::Cancelled(_))
+    }
+
     /// A parameter that can't be used. Names of other parameters stand in backquotes in the reason.
     pub fn setting(parameter: &'static str, reason: impl Into<String>) -> Error {
         Error::Setting { parameter, reason: reason.into() }

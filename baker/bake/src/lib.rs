@@ -27,6 +27,7 @@ pub mod sdf;
 pub mod summary;
 pub mod tolerance;
 pub mod volume_map;
+pub mod watch;
 pub mod work;
 
 pub use error::Error;
