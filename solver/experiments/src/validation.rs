@@ -1,10 +1,10 @@
-//! Experiments whose answer is known: what a fluid must do, and what ours does.
+//! Validation: experiments whose answer is known.
 //!
 //! ```text
 //! Experiment -> run: scenes made here, simulated, measured -> Outcome: rows with targets, charts -> table, JSON, PNG
 //! ```
-//! Bender et al. 2020, *Implicit Frictional Boundary Handling for SPH*, section 5, has some of them; VALIDATION.md of
-//! this crate tells all of them with their figures.
+//! Some of them are in Bender et al. 2020, *Implicit Frictional Boundary Handling for SPH*, section 5. Their results are in
+//! VALIDATION.md.
 
 pub mod dam_break;
 pub mod floats;
@@ -15,8 +15,9 @@ pub mod incline;
 pub mod momentum;
 pub mod sphere;
 
-use std::path::PathBuf;
+use volmap_bake::watch::Watch;
 use volmap_fluid::Error;
+use volmap_fluid::simulation::{Simulation, StepReport};
 use volmap_report::experiments;
 pub use volmap_report::experiments::{ChartFile, Outcome, Row, chart, curve, table};
 
@@ -34,19 +35,37 @@ pub const EXPERIMENTS: &[Experiment] = &[
     grid::EXPERIMENT,
 ];
 
-/// How an experiment is done.
+/// How an experiment is run.
 pub struct Run<'a> {
-    /// In some ten seconds: fewer cases, coarser, shorter.
+    /// Fewer, coarser and shorter cases, which take some ten seconds.
     pub short: bool,
-    /// Where files may be left that are no charts; charts are in the outcome.
-    pub folder: Option<PathBuf>,
-    /// Hears what is being done, in a line, often.
+    /// Stops the experiment, which then ends with [`Error::Cancelled`].
+    pub watch: &'a Watch,
+    /// Called with a line about each case as it begins.
     pub progress: &'a (dyn Fn(&str) + Sync),
 }
 
 impl Run<'_> {
-    /// The short or the long one of two.
+    /// The value for the short or the long form.
     pub fn pick<T>(&self, short: T, long: T) -> T {
         if self.short { short } else { long }
+    }
+
+    /// Simulates until a time (seconds), and shows every step to `look`.
+    ///
+    /// # Errors
+    /// As [`Simulation::step`]; [`Error::Cancelled`].
+    pub fn until(
+        &self,
+        simulation: &mut Simulation,
+        time: f64,
+        look: &mut dyn FnMut(&Simulation, &StepReport),
+    ) -> Result<(), Error> {
+        while simulation.time() < time - 1e-9 {
+            self.watch.check()?;
+            let report = simulation.step()?;
+            look(simulation, &report);
+        }
+        Ok(())
     }
 }

@@ -1,11 +1,12 @@
-//! What can go wrong with a scene and its run.
+//! What can go wrong with a scene or its run.
 
 use std::path::PathBuf;
+use volmap_bake::watch::Cancelled;
 
 /// Why a scene can't be run, or a run can't go on.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// The system refused.
+    /// A file or folder can't be read or written.
     #[error("{}: {source}", path.display())]
     Io {
         /// The file or folder.
@@ -24,6 +25,9 @@ pub enum Error {
     /// A mesh can't be read or baked.
     #[error(transparent)]
     Bake(#[from] volmap_bake::Error),
+    /// The work was asked to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
     /// A volume map can't be opened.
     #[error(transparent)]
     Map(#[from] volmap_runtime::Error),
@@ -33,7 +37,20 @@ pub enum Error {
     /// The simulation can't begin or go on.
     #[error(transparent)]
     Simulation(#[from] volmap_fluid::Error),
-    /// A check-point can't be used.
+    /// The folder holds a run, and [`RunSettings::begin`](crate::session::RunSettings::begin) is
+    /// [`New`](crate::session::Begin::New).
+    #[error("{}: has a run already", folder.display())]
+    RunExists {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// The folder holds no checkpoint to resume from.
+    #[error("{}: has no checkpoint to resume from", folder.display())]
+    NoCheckpoint {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// A checkpoint can't be used.
     #[error("{}: {reason}", path.display())]
     Checkpoint {
         /// The file.
@@ -41,4 +58,16 @@ pub enum Error {
         /// What is wrong and the cure.
         reason: String,
     },
+}
+
+impl Error {
+    /// Whether the work ended because it was asked to.
+    pub fn is_cancelled(&self) -> bool {
+        match self {
+            Error::Cancelled(_) => true,
+            Error::Bake(error) => error.is_cancelled(),
+            Error::Simulation(error) => error.is_cancelled(),
+            _ => false,
+        }
+    }
 }

@@ -4,6 +4,7 @@
 #[path = "../../fluid/examples/vortex_force.rs"]
 mod vortex_force;
 
+use volmap_bake::watch::Watch;
 use volmap_fluid::simulation::Simulation;
 use volmap_scenes::assemble::assemble;
 use volmap_scenes::resume::{self, Identity};
@@ -32,7 +33,7 @@ fn scene(more: &str) -> Result<Scene, volmap_scenes::Error> {
 }
 
 fn with_vortices(scene: &Scene) -> Simulation {
-    let mut setup = assemble(scene, prepare(scene, &mut |_| ()).unwrap()).unwrap();
+    let mut setup = assemble(scene, prepare(scene, &Watch::default(), &mut |_| ()).unwrap()).unwrap();
     setup.own_forces.push(Box::new(Vortices::new(0.05, 1e-3)));
     Simulation::new(setup).unwrap()
 }
@@ -67,7 +68,8 @@ fn what_a_force_remembers_is_in_the_check_point() {
 
     // A run without the force wrote no spins.
     let mut without =
-        Simulation::new(assemble(&scene, prepare(&scene, &mut |_| ()).unwrap()).unwrap()).unwrap();
+        Simulation::new(assemble(&scene, prepare(&scene, &Watch::default(), &mut |_| ()).unwrap()).unwrap())
+            .unwrap();
     steps(&mut without, 1);
     resume::save(&without, 0, &file("without"), &identity).unwrap();
     let error = resume::load(&mut resumed, &file("without"), &identity).unwrap_err().to_string();
@@ -82,8 +84,10 @@ fn forces_have_tables_of_their_own() {
     assert!(error.starts_with("scene.toml:16:") && error.contains("forces.damping.rate: -1 1/s"), "{error}");
     let error = scene("[forces.dampping]\nrate = 1.0\n").unwrap_err().to_string();
     assert!(error.contains("damping"), "{error}");
-    let mut simulation =
-        Simulation::new(assemble(&damped, prepare(&damped, &mut |_| ()).unwrap()).unwrap()).unwrap();
+    let mut simulation = Simulation::new(
+        assemble(&damped, prepare(&damped, &Watch::default(), &mut |_| ()).unwrap()).unwrap(),
+    )
+    .unwrap();
     let before = simulation.particles().velocities[0][0];
     steps(&mut simulation, 1);
     assert!(simulation.particles().velocities[0][0] < before);

@@ -1,5 +1,5 @@
-//! Single particles slide down a plane: Bender et al. 2020, *Implicit Frictional Boundary Handling for SPH*, Fig. 7. A plane
-//! made of particles is bumpy and throws them about, a map is smooth.
+//! Single particles slide down a plane: Bender et al. 2020, *Implicit Frictional Boundary Handling for SPH*, Fig. 7. A
+//! plane made of particles is bumpy and throws them about, a map is smooth.
 
 use super::boundaries::{BLUE_NOISE, DENSITY_MAP, Named, PAPER_MAP, PARTICLES, VOLUME_MAP};
 use crate::validation::flow::GRAVITY;
@@ -7,22 +7,21 @@ use crate::validation::incline::{RP, starts, turned};
 use crate::validation::{Experiment, Outcome, Row, Run, chart, curve};
 use volmap_figures::picture::colours::DISTINCT;
 use volmap_fluid::Error;
-use volmap_fluid::observe::until;
 use volmap_fluid::shapes::cuboid;
 use volmap_fluid::simulation::Simulation;
 use volmap_runtime::DVec3;
 
-/// It.
+/// Its entry in [`EXPERIMENTS`](super::EXPERIMENTS).
 pub const EXPERIMENT: Experiment = Experiment {
     name: "incline",
     title: "Inclined plane",
-    about: "A grid of single particles dropped on a plane: how far they are thrown to the sides, on particles and on maps",
+    about: "Single particles dropped on a slope: how far they are thrown aside, on boundary particles and on maps",
     run,
 };
 
-/// Of the plane.
+/// Angle of the plane.
 const DEGREES: f64 = 30.0;
-/// How far a particle slides that nothing holds, metres.
+/// How far a particle slides without friction, metres.
 const WAY: f64 = 3.0;
 
 fn run(run: &Run) -> Result<Outcome, Error> {
@@ -34,7 +33,7 @@ fn run(run: &Run) -> Result<Outcome, Error> {
     );
     for (method, colour) in methods.iter().zip(DISTINCT) {
         (run.progress)(&format!("incline: {}", method.name));
-        let slide = slide(method)?;
+        let slide = slide(run, method)?;
         slide.rows(&mut outcome, method.name);
         let part = |pick: fn(&DVec3) -> [f64; 2]| slide.path(pick);
         paths.push(curve(method.name, colour, part(|way| [-way.x, way.z / RP])));
@@ -52,17 +51,18 @@ fn run(run: &Run) -> Result<Outcome, Error> {
     Ok(outcome)
 }
 
-const NOTE: &str = "64 particles of rp = 25 mm, 4.3 rp apart, so that each is alone, dropped from 1.2 rp; 30 degrees, 3 m. The paper \
-                    shows pictures and has no figures. It names no size of its grid.";
+const NOTE: &str = "\
+    64 particles of rp = 25 mm, 4.3 rp apart, so that each is alone, dropped from 1.2 rp; 30 degrees, 3 m. The paper \
+    shows pictures and gives no figures; it doesn't name the size of its grid.";
 
-/// All particles at all steps, in the plane's axes: up the slope from the start, height, to the side.
+/// The particles' ways at all steps, in the plane's axes: up the slope from the start, height, to the side.
 struct Slide {
     steps: Vec<Vec<DVec3>>,
-    /// How far they should have come at the end, metres.
+    /// How far they should have come, metres.
     ideal: f64,
 }
 
-fn slide(method: &Named) -> Result<Slide, Error> {
+fn slide(run: &Run, method: &Named) -> Result<Slide, Error> {
     let plane = method.baked(cuboid(DVec3::new(-3.0, -0.15, -1.0), DVec3::new(2.0, 0.0, 1.0)), RP, false)?;
     let (body, rotation) = turned(&plane, DEGREES);
     let starts = starts(1.0);
@@ -72,7 +72,7 @@ fn slide(method: &Named) -> Result<Slide, Error> {
     let mut simulation = Simulation::new(setup)?;
     let acceleration = GRAVITY * DEGREES.to_radians().sin();
     let mut steps = Vec::new();
-    until(&mut simulation, (2.0 * WAY / acceleration).sqrt(), &mut |simulation, _| {
+    run.until(&mut simulation, (2.0 * WAY / acceleration).sqrt(), &mut |simulation, _| {
         let particles = simulation.particles();
         let mut ways = vec![DVec3::NAN; starts.len()];
         for (&x, &id) in particles.positions.iter().zip(&particles.ids) {
@@ -85,7 +85,7 @@ fn slide(method: &Named) -> Result<Slide, Error> {
 }
 
 impl Slide {
-    /// One line of points for each particle, with gaps between them.
+    /// A curve for each particle, with gaps between them.
     fn path(&self, pick: fn(&DVec3) -> [f64; 2]) -> Vec<[f64; 2]> {
         let count = self.steps.first().map_or(0, Vec::len);
         let one = |n: usize| self.steps.iter().step_by(4).map(move |ways| pick(&ways[n]));

@@ -1,6 +1,6 @@
 //! A puck slides and spins on a plane without friction: in place of the elastic cubes of Bender et al. 2020, *Implicit
-//! Frictional Boundary Handling for SPH*, Figs. 8 and 9. A plane made of particles is bumpy: it brakes, turns and shifts the
-//! puck; a map must not.
+//! Frictional Boundary Handling for SPH*, Figs. 8 and 9. A plane made of particles is bumpy: it brakes, turns and
+//! shifts the puck; a map must not.
 
 use super::boundaries::{BLUE_NOISE, DENSITY_MAP, Named, PAPER_MAP, PARTICLES, VOLUME_MAP};
 use super::rigid::Rigid;
@@ -10,34 +10,35 @@ use std::f64::consts::PI;
 use volmap_figures::picture::colours::DISTINCT;
 use volmap_fluid::Error;
 use volmap_fluid::bodies::Motion;
-use volmap_fluid::observe::{centre, momenta, until};
+use volmap_fluid::observe::{centre, momenta};
 use volmap_fluid::settings::ViscosityMethod;
 use volmap_fluid::shapes::{Shape, cuboid};
 use volmap_fluid::simulation::Simulation;
 use volmap_runtime::{DQuat, DVec3};
 
-/// It.
+/// Its entry in [`EXPERIMENTS`](super::EXPERIMENTS).
 pub const EXPERIMENT: Experiment = Experiment {
     name: "puck",
     title: "Puck without friction",
-    about: "A rigid puck of particles spins on a plane for 100 s, and slides down a slope: loss of spin and speed, drift",
+    about: "A rigid puck of particles spins on a plane and slides down a slope: loss of spin and speed, drift",
     run,
 };
 
 const RP: f64 = 0.025;
-/// Radius of the puck, metres: nine particles across; and its layers.
+/// Radius of the puck, metres (nine particles across), and its number of layers.
 const PUCK: f64 = 0.225;
 const LAYERS: u32 = 4;
 /// Angular velocity at the start, rad/s.
 const SPIN: f64 = 5.1;
-/// Of the slope.
+/// Angle of the slope.
 const DEGREES: f64 = 20.0;
-/// The puck is put back by so much where it leaves the middle of the plane, metres; and half the plane's width.
+/// A puck that leaves the middle of the plane is put back by this, metres; and half the plane's width.
 const PERIOD: f64 = 1.0;
 const HALF: f64 = 1.0;
 /// Viscosity of the puck as a fluid, m^2/s.
 const THICK: f64 = 50.0;
-/// Height of the lowest layer at first, rp: on the paper's map it rests at more than 2. It comes to rest in so many seconds.
+/// Height of the lowest layer at the start, rp (on the paper's map it rests at more than 2), and the time in which the
+/// puck comes to rest, seconds.
 const START: f64 = 3.5;
 const REST: f64 = 1.0;
 
@@ -52,17 +53,17 @@ fn run(run: &Run) -> Result<Outcome, Error> {
         let plane =
             method.baked(cuboid(DVec3::new(-HALF, -0.15, -HALF), DVec3::new(HALF, 0.0, HALF)), RP, false)?;
         (run.progress)(&format!("puck: {}, spins", method.name));
-        let spin = spin(method, &plane, run.pick(4.0, 100.0))?;
+        let spin = spin(run, method, &plane)?;
         spin.spin_rows(&mut outcome, method);
         spins.push(curve(method.name, colour, spin.points(|at| [at.time, at.spin / SPIN])));
         ways.push(curve(method.name, colour, spin.points(|at| [at.place.x / PUCK, at.place.z / PUCK])));
         (run.progress)(&format!("puck: {}, slides", method.name));
-        let slide = slide(method, &plane, run.pick(1.0, 3.0))?;
+        let slide = slide(run, method, &plane)?;
         slide.slide_rows(&mut outcome, method.name);
         let whole = GRAVITY * DEGREES.to_radians().sin();
         speeds.push(curve(method.name, colour, slide.points(|at| [at.time, at.speed / (whole * at.time)])));
         (run.progress)(&format!("puck: {}, thick fluid", method.name));
-        fluid_rows(&mut outcome, method, &plane, run.pick(1.0, 2.0))?;
+        fluid_rows(run, &mut outcome, method, &plane)?;
     }
     let axes = [["Time", "s"], ["Spin over that of the start", ""]];
     outcome.chart("puck-spin.png", chart("A puck that spins on a plane", axes[0], axes[1], spins));
@@ -74,20 +75,21 @@ fn run(run: &Run) -> Result<Outcome, Error> {
     Ok(outcome)
 }
 
-const NOTE: &str = "The paper's cubes are elastic; the puck is rigid: of all that a step does to its particles it keeps momentum and \
-                    angular momentum, as an elastic body would, and never deforms. Four layers of nine particles across, rp = 25 mm, \
-                    which came to rest for 1 s before. The plane is 2 m wide: a puck that leaves its middle is put back by 1 m, on the \
-                    same plane. As a fluid of 50 m^2/s it sinks by g dt in a second, whatever the viscosity: pressures act for a step \
-                    before viscosity sees what they do. So it turns for 2 s only.";
+const NOTE: &str = "\
+    The paper's cubes are elastic; the puck is rigid. Of what a step does to its particles it keeps momentum and \
+    angular momentum, as an elastic body would, and it never deforms. It has four layers, nine particles across, of \
+    rp = 25 mm, which came to rest for 1 s before. The plane is 2 m wide: a puck that leaves its middle is put back \
+    by 1 m, on the same plane. As a fluid of 50 m^2/s it sinks by g dt per second, whatever the viscosity: pressures \
+    act for a step before the viscous solve sees their effect. So it turns for 2 s only.";
 
-/// The puck at a time, in seconds, metres, m/s and rad/s.
+/// State of the puck at a time; units are seconds, metres, m/s and rad/s.
 #[derive(Clone, Copy)]
 struct At {
     time: f64,
     place: DVec3,
     speed: f64,
     spin: f64,
-    /// Of its axis from the upright, degrees.
+    /// Angle between its axis and the vertical, degrees.
     tilt: f64,
 }
 
@@ -99,25 +101,25 @@ struct Track {
     inside: usize,
 }
 
-/// Without other forces than gravity.
-fn spin(method: &Named, plane: &Shape, end: f64) -> Result<Track, Error> {
-    let (mut rigid, mut simulation) = puck(method, plane, DVec3::NEG_Y * GRAVITY)?;
+/// Spins on the level plane, with no force but gravity.
+fn spin(run: &Run, method: &Named, plane: &Shape) -> Result<Track, Error> {
+    let (mut rigid, mut simulation) = puck(run, method, plane, DVec3::NEG_Y * GRAVITY)?;
     rigid.angular_velocity = DVec3::Y * SPIN;
-    track(&mut rigid, &mut simulation, end)
+    track(run, &mut rigid, &mut simulation, run.pick(4.0, 100.0))
 }
 
-/// Down a slope: the plane is level, gravity is not.
-fn slide(method: &Named, plane: &Shape, end: f64) -> Result<Track, Error> {
+/// Slides down a slope. The plane is level and gravity is inclined.
+fn slide(run: &Run, method: &Named, plane: &Shape) -> Result<Track, Error> {
     let tilted = DQuat::from_rotation_z(DEGREES.to_radians()) * DVec3::NEG_Y;
-    let (mut rigid, mut simulation) = puck(method, plane, GRAVITY * tilted)?;
+    let (mut rigid, mut simulation) = puck(run, method, plane, GRAVITY * tilted)?;
     rigid.velocity = DVec3::ZERO;
     rigid.angular_velocity = DVec3::ZERO;
-    track(&mut rigid, &mut simulation, end)
+    track(run, &mut rigid, &mut simulation, run.pick(1.0, 3.0))
 }
 
-/// The puck as a fluid so thick that it hardly sinks, free in all else: angular momentum, and what is between its particles.
-fn fluid_rows(outcome: &mut Outcome, method: &Named, plane: &Shape, end: f64) -> Result<(), Error> {
-    let (mut rigid, _) = puck(method, plane, DVec3::NEG_Y * GRAVITY)?;
+/// The puck as a fluid so thick that it hardly sinks.
+fn fluid_rows(run: &Run, outcome: &mut Outcome, method: &Named, plane: &Shape) -> Result<(), Error> {
+    let (mut rigid, _) = puck(run, method, plane, DVec3::NEG_Y * GRAVITY)?;
     rigid.angular_velocity = DVec3::Y * SPIN;
     let mut setup = method.setup(RP, vec![plane.body("plane", DVec3::ZERO, Motion::Static)])?;
     setup.fluid.viscosity = THICK;
@@ -131,7 +133,9 @@ fn fluid_rows(outcome: &mut Outcome, method: &Named, plane: &Shape, end: f64) ->
     };
     let (before, start) = (about_centre(&simulation), centre(&simulation));
     let mut iterations = 0;
-    until(&mut simulation, end, &mut |_, report| iterations += report.viscosity.iterations)?;
+    run.until(&mut simulation, run.pick(1.0, 2.0), &mut |_, report| {
+        iterations += report.viscosity.iterations
+    })?;
     let case = format!("{}, thick fluid", method.name);
     let rows = &mut outcome.rows;
     let loss = 1.0 - about_centre(&simulation) / before;
@@ -145,7 +149,7 @@ fn fluid_rows(outcome: &mut Outcome, method: &Named, plane: &Shape, end: f64) ->
     Ok(())
 }
 
-/// The puck's particles, higher over y = 0 than any method holds them.
+/// The puck's particles, higher above y = 0 than they rest with any method.
 fn places() -> Vec<DVec3> {
     let side = (PUCK / RP) as i32;
     let across = |n: i32| 2.0 * RP * f64::from(n - side / 2);
@@ -155,8 +159,8 @@ fn places() -> Vec<DVec3> {
     (0..LAYERS).flat_map(|y| layer.iter().map(move |&x| x + at(y))).collect()
 }
 
-/// A puck at rest on a plane. What gravity has along the plane is taken away until then.
-fn puck(method: &Named, plane: &Shape, gravity: DVec3) -> Result<(Rigid, Simulation), Error> {
+/// A puck at rest on a plane. Until it rests, gravity acts across the plane only.
+fn puck(run: &Run, method: &Named, plane: &Shape, gravity: DVec3) -> Result<(Rigid, Simulation), Error> {
     let mut rigid = Rigid::new(&places(), DVec3::ZERO, DVec3::ZERO);
     let mut setup = method.setup(RP, vec![plane.body("plane", DVec3::ZERO, Motion::Static)])?;
     setup.world.gravity = gravity;
@@ -164,8 +168,9 @@ fn puck(method: &Named, plane: &Shape, gravity: DVec3) -> Result<(Rigid, Simulat
     setup.particles.add(&places, &velocities);
     let mut simulation = Simulation::new(setup)?;
     while simulation.time() < REST {
+        run.watch.check()?;
         rigid.step(&mut simulation)?;
-        // Only up and down, and slowly.
+        // It may move only up and down, and slowly.
         rigid.velocity = DVec3::Y * 0.9 * rigid.velocity.y;
         rigid.angular_velocity = DVec3::ZERO;
         rigid.centre = DVec3::Y * rigid.centre.y;
@@ -174,13 +179,14 @@ fn puck(method: &Named, plane: &Shape, gravity: DVec3) -> Result<(Rigid, Simulat
     Ok((rigid, simulation))
 }
 
-fn track(rigid: &mut Rigid, simulation: &mut Simulation, end: f64) -> Result<Track, Error> {
+fn track(run: &Run, rigid: &mut Rigid, simulation: &mut Simulation, end: f64) -> Result<Track, Error> {
     let (start, mut travelled, mut inside) = (simulation.time(), DVec3::ZERO, 0);
     rigid.place(simulation);
     let begin = rigid.centre;
     let height = begin.y - f64::from(LAYERS - 1) * RP;
     let mut all = Vec::new();
     while simulation.time() < start + end - 1e-9 {
+        run.watch.check()?;
         inside += rigid.step(simulation)?.inside;
         let back = PERIOD * (rigid.centre / PERIOD).round().with_y(0.0);
         if back != DVec3::ZERO {
@@ -201,7 +207,7 @@ fn track(rigid: &mut Rigid, simulation: &mut Simulation, end: f64) -> Result<Tra
 }
 
 impl Track {
-    /// Some hundred points.
+    /// Thins a curve to some hundred points.
     fn points(&self, pick: impl Fn(&At) -> [f64; 2]) -> Vec<[f64; 2]> {
         self.all.iter().step_by(self.all.len() / 500 + 1).map(pick).collect()
     }

@@ -7,12 +7,12 @@ use volmap_figures::picture::colours::DISTINCT;
 use volmap_figures::picture::{Data, Series};
 use volmap_fluid::Error;
 use volmap_fluid::bodies::Motion;
-use volmap_fluid::observe::{percentile, until};
+use volmap_fluid::observe::percentile;
 use volmap_fluid::shapes::{baked, cuboid};
 use volmap_fluid::simulation::Simulation;
 use volmap_runtime::DVec3;
 
-/// It.
+/// Its entry in [`EXPERIMENTS`](super::EXPERIMENTS).
 pub const EXPERIMENT: Experiment = Experiment {
     name: "dam_break",
     title: "Dam break",
@@ -22,10 +22,10 @@ pub const EXPERIMENT: Experiment = Experiment {
 
 /// Width a of the column: 2.25 inches, metres.
 const WIDTH: f64 = 0.05715;
-/// n^2.
+/// n^2, the ratio of height to width.
 const ASPECT: f64 = 2.0;
 
-/// Table 2, n^2 = 2, a = 2.25 inches: T = t n sqrt(g / a), Z = z / a, z the front's place.
+/// Table 2, n^2 = 2, a = 2.25 inches: T = t n sqrt(g / a), Z = z / a, z the position of the front.
 const FRONT: [[f64; 2]; 15] = [
     [0.41, 1.11],
     [0.84, 1.22],
@@ -63,10 +63,10 @@ const HEIGHT: [[f64; 2]; 15] = [
     [4.20, 0.17],
 ];
 
-/// Percentile of the particles' places that is the front, so that a splash doesn't count.
+/// Percentile of the particles' positions that counts as the front, so that splashes don't.
 const FRONT_PART: f64 = 0.995;
 
-/// What was measured, in the units of the tables.
+/// Measured curves, in the units of the tables.
 #[derive(Default)]
 struct Measured {
     front: Vec<[f64; 2]>,
@@ -80,7 +80,7 @@ fn run(run: &Run) -> Result<Outcome, Error> {
     for (&across, colour) in run.pick(&[12][..], &[20, 40]).iter().zip(&DISTINCT[1..]) {
         (run.progress)(&format!("dam_break: {across} particles across the column"));
         let case = format!("a = {across} particles");
-        let measured = collapse(across, run.pick(3.4, 4.3))?;
+        let measured = collapse(run, across)?;
         let front = deviations(&measured.front, &FRONT);
         let height = deviations(&measured.height, &HEIGHT);
         let rows = &mut outcome.rows;
@@ -103,13 +103,14 @@ fn run(run: &Run) -> Result<Outcome, Error> {
     Ok(outcome)
 }
 
-const NOTE: &str = "The front is the place that 99.5 % of the particles haven't reached, and a particle radius; the height is that \
-                    of the 98th percentile in the layer of 2 spacings at the wall, and a radius. The measured column was \
-                    held by a paper that is burnt, ours comes to rest in a box and is free at once: the delay is the shift of time that \
-                    fits best.";
+const NOTE: &str = "\
+    The front is the position that 99.5 % of the particles haven't reached, plus a particle radius. The height is \
+    the 98th percentile in the layer of 2 spacings at the wall, plus a radius. In the measurement a paper gate, \
+    which was burnt away, held the column; here it comes to rest in a box and is free at once. The delay is the \
+    shift of time that fits best.";
 
 /// Inviscid water; the column is as deep as ten particles, between walls.
-fn collapse(across: u32, end: f64) -> Result<Measured, Error> {
+fn collapse(run: &Run, across: u32) -> Result<Measured, Error> {
     let radius = 0.5 * WIDTH / f64::from(across);
     let depth = 10.0 * 2.0 * radius;
     let tank = |width: f64| {
@@ -119,11 +120,11 @@ fn collapse(across: u32, end: f64) -> Result<Measured, Error> {
     let places = lattice(DVec3::ZERO, DVec3::new(WIDTH, ASPECT * WIDTH, depth), radius);
     // The lattice isn't quite at rest where walls meet.
     let mut column = water(radius, &places, 0.01, vec![tank(WIDTH)?])?;
-    until(&mut column, 6.0 * (WIDTH / GRAVITY).sqrt(), &mut |_, _| ())?;
+    run.until(&mut column, 6.0 * (WIDTH / GRAVITY).sqrt(), &mut |_, _| ())?;
     let mut simulation = water(radius, &column.particles().positions, 0.0, vec![tank(5.5 * WIDTH)?])?;
     let unit = (WIDTH / GRAVITY).sqrt();
     let mut measured = Measured { front: vec![[0.0, 1.0]], height: vec![[0.0, 1.0]] };
-    until(&mut simulation, end * unit, &mut |simulation, _| {
+    run.until(&mut simulation, run.pick(3.4, 4.3) * unit, &mut |simulation, _| {
         let time = simulation.time() / unit;
         let front = percentile(&along(simulation, |x| Some(x.x)), FRONT_PART) + radius;
         let at_wall = along(simulation, |x| (x.x < 4.0 * radius).then_some(x.y));
@@ -137,12 +138,12 @@ fn along(simulation: &Simulation, pick: impl Fn(&DVec3) -> Option<f64>) -> Vec<f
     simulation.particles().positions.iter().filter_map(pick).collect()
 }
 
-/// Of a curve from points.
+/// Deviations of a curve from points.
 struct Deviations {
     mean: f64,
     rms: f64,
     largest: f64,
-    /// Added to the curve's times, it fits best.
+    /// Shift of the curve's times with which it fits best.
     shift: f64,
     rms_shifted: f64,
 }
@@ -168,7 +169,7 @@ fn deviations(curve: &[[f64; 2]], points: &[[f64; 2]]) -> Deviations {
     }
 }
 
-/// A curve's value; that of an end beyond it.
+/// A curve's value at a time; beyond an end, that of the end.
 fn at(curve: &[[f64; 2]], time: f64) -> f64 {
     let next = curve.partition_point(|point| point[0] < time).clamp(1, curve.len() - 1);
     let [a, b] = [curve[next - 1], curve[next]];

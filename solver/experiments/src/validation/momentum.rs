@@ -8,7 +8,7 @@ use volmap_figures::picture::colours::DISTINCT;
 use volmap_fluid::Error;
 use volmap_fluid::bodies::{Bodies, FreeBody, Motion, Weight};
 use volmap_fluid::lattice::fill_box;
-use volmap_fluid::observe::{kinetic_energy, momenta, until, velocities};
+use volmap_fluid::observe::{kinetic_energy, momenta, velocities};
 use volmap_fluid::particles::Particles;
 use volmap_fluid::settings::{FluidSettings, World};
 use volmap_fluid::setup::Setup;
@@ -20,16 +20,16 @@ use volmap_runtime::DVec3;
 pub const EXPERIMENT: Experiment = Experiment {
     name: "momentum",
     title: "two blobs of fluid and a free ball collide without gravity",
-    about: "momentum of fluid and ball together is conserved to rounding, and energy never grows",
+    about: "Momentum of fluid and ball together is conserved to rounding, and energy never grows",
     run,
 };
 
 const RADIUS: f64 = 0.025;
-/// Of the ball.
+/// Radius of the ball, metres.
 const BALL: f64 = 0.2;
-/// m/s.
+/// Speed of the blobs, m/s.
 const SPEED: f64 = 1.0;
-/// Where the blobs begin, beside the ball, and off its middle.
+/// Positions of the blobs at the start: beside the ball, and off its middle.
 const AWAY: DVec3 = DVec3::new(0.55, 0.1, 0.05);
 
 /// Momentum, angular momentum about the origin, and kinetic energy; of fluid and ball together, and of the ball.
@@ -51,7 +51,7 @@ fn run(run: &Run) -> Result<Outcome, Error> {
         let scale = speeds * simulation.particle_mass();
         let mut states = vec![state(&simulation)];
         let [mut touched, mut inside] = [0, 0];
-        until(&mut simulation, run.pick(0.6, 2.0), &mut |simulation, report| {
+        run.until(&mut simulation, run.pick(0.6, 2.0), &mut |simulation, report| {
             states.push(state(simulation));
             touched = touched.max(report.near_bodies);
             inside += report.inside;

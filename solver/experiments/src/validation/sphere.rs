@@ -7,11 +7,11 @@ use std::f64::consts::PI;
 use volmap_figures::picture::colours::DISTINCT;
 use volmap_fluid::Error;
 use volmap_fluid::bodies::{Motion, Path, Spin};
-use volmap_fluid::observe::{momenta, rms_speed, until};
+use volmap_fluid::observe::{momenta, rms_speed};
 use volmap_fluid::shapes::{Shape, baked_finely, ball};
 use volmap_runtime::{ClosureKind, DVec3};
 
-/// It.
+/// Its entry in [`EXPERIMENTS`](super::EXPERIMENTS).
 pub const EXPERIMENT: Experiment = Experiment {
     name: "sphere",
     title: "Spinning ball",
@@ -21,23 +21,23 @@ pub const EXPERIMENT: Experiment = Experiment {
 
 /// Radius of the ball, metres.
 const RADIUS: f64 = 0.5;
-/// rpm.
+/// Speed of the ball, rpm.
 const SPEED: f64 = 7.0;
 
 /// Means over the last half of a run.
 #[derive(Clone, Copy, Default)]
 struct Calm {
     rms: f64,
-    /// Kinetic energy in parts of the potential energy m g R.
+    /// Kinetic energy over the potential energy m g R.
     energy: f64,
-    /// Angular momentum about the axis, in parts of that of water that turns with the ball.
+    /// Angular momentum about the axis, over that of water that turns with the ball.
     carried: f64,
 }
 
 fn run(run: &Run) -> Result<Outcome, Error> {
     let mut outcome = Outcome::default();
     let radius = run.pick(0.025, 0.0125);
-    // As scenes bake what turns.
+    // Cells as in scenes for bodies that turn.
     let (closure, support) = (ClosureKind::Mirror, 4.0 * radius);
     let cell = closure.cell_size_of_turning(support);
     let hollow = baked_finely(ball(RADIUS, 6), closure.map_radius(support), cell, true)?;
@@ -51,7 +51,7 @@ fn run(run: &Run) -> Result<Outcome, Error> {
     let mut rest = Calm::default();
     for ((case, spin), colour) in spins.into_iter().zip(DISTINCT) {
         (run.progress)(&format!("sphere: {case}"));
-        let (calm, points) = spinning(&hollow, radius, spin, run.pick(1.0, 4.0))?;
+        let (calm, points) = spinning(run, &hollow, radius, spin)?;
         let rows = &mut outcome.rows;
         rows.push(Row::new(case, "rms speed", "m/s", calm.rms));
         rows.push(Row::new(case, "kinetic energy over m g R", "", calm.energy));
@@ -74,18 +74,19 @@ fn run(run: &Run) -> Result<Outcome, Error> {
 
 /// Rms speed over time, and the means.
 fn spinning(
+    run: &Run,
     hollow: &Shape,
     radius: f64,
     spin: Option<Spin>,
-    end: f64,
 ) -> Result<(Calm, Vec<[f64; 2]>), Error> {
     let motion = spin.map_or(Motion::Static, |spin| Motion::Prescribed(Path::Spin(spin)));
     let places = lattice(DVec3::splat(-RADIUS), DVec3::new(RADIUS, 0.0, RADIUS), radius);
     let places: Vec<DVec3> = places.into_iter().filter(|x| x.length() < RADIUS - 0.9 * radius).collect();
     let mut simulation = water(radius, &places, 0.001, vec![hollow.body("ball", DVec3::ZERO, motion)])?;
     let (mut points, mut sum, mut time) = (Vec::new(), Calm::default(), 0.0);
+    let end = run.pick(1.0, 4.0);
     let axis = spin.map_or(DVec3::Y, |spin| spin.axis);
-    until(&mut simulation, end, &mut |simulation, report| {
+    run.until(&mut simulation, end, &mut |simulation, report| {
         let rms = rms_speed(simulation);
         points.push([simulation.time(), rms]);
         if simulation.time() > 0.5 * end {
