@@ -170,7 +170,11 @@ macro_rules! parameters {
         #[serde(deny_unknown_fields, default, expecting = "give a table with options of `volmap bake`")]
         #[schemars(transform = describe_schema)]
         pub struct Parameters {
-            $( $(#[doc = $help])+ pub $name: Option<$type>, )+
+            $(
+                $(#[doc = $help])+
+                #[serde(skip_serializing_if = "Option::is_none")]
+                pub $name: Option<$type>,
+            )+
         }
 
         /// All parameters, in the order of help texts.
