@@ -3,7 +3,7 @@
 use clap::{Parser, Subcommand};
 use std::path::PathBuf;
 
-/// Simulates incompressible fluids with volume maps as boundaries
+/// Simulate incompressible fluids with volume maps as boundaries
 #[derive(Debug, Parser)]
 #[command(name = "volmap-sim", version, arg_required_else_help = true)]
 pub struct Arguments {
@@ -13,82 +13,82 @@ pub struct Arguments {
 
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Simulates a scene into a folder: frames, statistics, pictures, check-points
+    /// Simulate a scene; writes frames, statistics, pictures and checkpoints into a folder
     Run(RunArguments),
-    /// What is in a scene; opens no map and bakes nothing
+    /// Show the contents of a scene; opens no map and bakes nothing
     Info(SceneArguments),
-    /// Whether a scene can run: opens or bakes its maps, places its particles
+    /// Check that a scene can run: opens or bakes its maps and places its particles
     Check(SceneArguments),
-    /// The JSON Schema of scenes
+    /// Print the JSON Schema of scene files
     Schema,
-    /// Experiments whose answer is known, and what comes of them here
+    /// Run validation cases and compare with targets
     Validate(ExperimentArguments),
-    /// Experiments of the papers, and what comes of them here
+    /// Reproduce experiments of the papers and compare with their figures
     Reproduce(ExperimentArguments),
 }
 
 #[derive(Debug, clap::Args)]
 pub struct RunArguments {
-    /// Scene, a .toml or .json file
+    /// Scene file, .toml or .json
     pub scene: PathBuf,
-    /// Folder of the results; made if it isn't there
+    /// Folder for the results; created if missing
     #[arg(short, long, value_name = "FOLDER")]
     pub output: PathBuf,
-    /// Stop after this many steps in all
+    /// Stop after this many steps, counted from the beginning of the scene
     #[arg(long, value_name = "N")]
     pub steps: Option<u64>,
-    /// Stop at this time, seconds, instead of the scene's
+    /// Stop at this simulated time, in seconds [default: stop.time of the scene]
     #[arg(long, value_name = "T", value_parser = time)]
     pub until: Option<f64>,
-    /// Go on from the folder's check-point
+    /// Continue from the checkpoint in the folder
     #[arg(long, conflicts_with = "overwrite")]
     pub resume: bool,
-    /// Replace the run that is in the folder
+    /// Replace the run in the folder
     #[arg(long)]
     pub overwrite: bool,
-    /// Threads; all processors by default. Results don't depend on it
+    /// Number of threads; results don't depend on it [default: all processors]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
-    /// Print nothing but errors
+    /// Print only errors
     #[arg(short, long)]
     pub quiet: bool,
 }
 
 #[derive(Debug, clap::Args)]
 pub struct SceneArguments {
-    /// Scene, a .toml or .json file
+    /// Scene file, .toml or .json
     pub scene: PathBuf,
-    /// As JSON
+    /// Print JSON
     #[arg(long)]
     pub json: bool,
 }
 
 fn time(text: &str) -> Result<f64, String> {
     let time: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
-    if time.is_finite() && time >= 0.0 { Ok(time) } else { Err("not a time".to_owned()) }
+    if time.is_finite() && time >= 0.0 { Ok(time) } else { Err("negative or not finite".to_owned()) }
 }
 
 #[derive(Debug, clap::Args)]
 pub struct ExperimentArguments {
-    /// Which experiments; `all`, and by default
+    /// Experiments to run [default: all]
     #[arg(value_name = "EXPERIMENT")]
     pub names: Vec<String>,
-    /// Print which there are, and end
+    /// List the experiments and exit
     #[arg(long)]
     pub list: bool,
-    /// Fewer cases, coarser and shorter: some ten seconds each
+    /// Run fewer, coarser and shorter cases: about ten seconds per experiment
     #[arg(long)]
     pub short: bool,
-    /// Folder for charts (.png) and all figures (validation.json, reproduction.json); made if it isn't there
+    /// Folder for charts (.png) and results (validation.json or reproduction.json); created if missing
     #[arg(short, long, value_name = "FOLDER")]
     pub output: Option<PathBuf>,
-    /// Exit code 1 if a target isn't met
+    /// Exit with code 1 if a target is not met
     #[arg(long)]
     pub strict: bool,
-    /// Threads; all processors by default. Results don't depend on it
+    /// Number of threads; results don't depend on it [default: all processors]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
-    /// No progress
+    /// Print no progress
     #[arg(short, long)]
     pub quiet: bool,
 }

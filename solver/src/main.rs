@@ -1,11 +1,13 @@
-//! The `volmap-sim` program: parses, reports progress, maps errors to exit codes. All else is in the library.
+//! The `volmap-sim` program: arguments, progress, signals and exit codes. All else is in the libraries.
 
 mod args;
+mod message;
 mod run;
 
 use anyhow::Result;
 use args::{Arguments, Command};
 use clap::Parser;
+use run::experiments::ExperimentSet;
 use std::io;
 use std::process::ExitCode;
 use volmap_experiments::{reproduce, validation};
@@ -13,10 +15,10 @@ use volmap_experiments::{reproduce, validation};
 fn main() -> ExitCode {
     match run(&Arguments::parse().command) {
         Ok(()) => ExitCode::SUCCESS,
-        // The reader of a pipe may have had enough.
+        // The reader of a pipe may have closed it.
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {}", with_options(error.to_string()));
+            eprintln!("error: {}", message::of(&error));
             ExitCode::FAILURE
         }
     }
@@ -28,20 +30,16 @@ fn run(command: &Command) -> Result<()> {
         Command::Info(arguments) => run::info::run_info(arguments),
         Command::Check(arguments) => run::check::run_check(arguments),
         Command::Schema => run::schema::run_schema(),
-        Command::Validate(arguments) => {
-            run::experiments::run_experiments(validation::EXPERIMENTS, "validation.json", arguments)
-        }
-        Command::Reproduce(arguments) => {
-            run::experiments::run_experiments(reproduce::EXPERIMENTS, "reproduction.json", arguments)
-        }
+        Command::Validate(arguments) => run::experiments::run_experiments(&VALIDATION, arguments),
+        Command::Reproduce(arguments) => run::experiments::run_experiments(&REPRODUCTION, arguments),
     }
 }
 
-/// Libraries name settings in backquotes; these are options here.
-fn with_options(message: String) -> String {
-    let settings = ["resume", "overwrite"];
-    settings.iter().fold(message, |text, name| text.replace(&format!("`{name}`"), &format!("--{name}")))
-}
+const VALIDATION: ExperimentSet =
+    ExperimentSet { experiments: validation::EXPERIMENTS, results: "validation.json" };
+
+const REPRODUCTION: ExperimentSet =
+    ExperimentSet { experiments: reproduce::EXPERIMENTS, results: "reproduction.json" };
 
 fn is_broken_pipe(error: &anyhow::Error) -> bool {
     let broken = |cause: &(dyn std::error::Error + 'static)| {

@@ -226,7 +226,7 @@ fn killed_runs_go_on_to_the_same_bytes() {
 
 #[cfg(unix)]
 #[test]
-fn an_interrupt_leaves_a_check_point() {
+fn an_interrupt_leaves_a_checkpoint() {
     let place = Place::new(&thick());
     place.succeed("whole", &[]);
     let child = place.start_until("stopped", &[], 20);
@@ -246,10 +246,14 @@ fn an_interrupt_leaves_a_check_point() {
 #[test]
 fn runs_are_not_replaced_or_mixed_up() {
     let place = Place::new(SCENE);
-    assert!(place.refuse("run", &["--resume"]).contains("has no check-point"));
+    assert!(
+        place
+            .refuse("run", &["--resume"])
+            .contains("has no checkpoint to resume from; start it with --overwrite")
+    );
     place.succeed("run", &["--until", "0.05"]);
     let before = place.content("run");
-    assert!(place.refuse("run", &[]).contains("--resume goes on with it, --overwrite replaces it"));
+    assert!(place.refuse("run", &[]).contains("--resume continues it, --overwrite replaces it"));
     place.write(&SCENE.replace("speed = 2.0", "speed = 2.1"));
     assert!(place.refuse("run", &["--resume"]).contains("another scene"));
     assert!(place.content("run") == before, "left as it is");
@@ -298,9 +302,9 @@ fn a_run_is_done_at_its_end_and_not_before() {
     let settings = RunSettings { steps: Some(3), ..RunSettings::default() };
     let path = place.folder("scene.toml");
     let mut session = Session::open(&path, &place.folder("out"), &settings, &mut |_| ()).unwrap();
-    session.run(&mut |progress| progress.statistics.step < 2).unwrap();
+    session.run(&mut |progress| progress.step.statistics.step < 2).unwrap();
     assert!(!session.is_done());
-    session.run(&mut |progress| progress.statistics.step < 3).unwrap();
+    session.run(&mut |progress| progress.step.statistics.step < 3).unwrap();
     assert!(session.is_done());
 }
 
@@ -329,11 +333,11 @@ fn changed_maps_and_meshes_are_refused() {
     // The same shape in another asset: its source is written in it.
     std::fs::copy(&cube, &map).unwrap();
     let told = place.refuse("run", &["--resume", "--steps", "2"]);
-    assert!(told.contains("float.h5 has changed since the check-point"), "{told}");
+    assert!(told.contains("float.h5 has changed since the checkpoint"), "{told}");
     std::fs::copy(&float, &map).unwrap();
     std::fs::write(&other, CUBE.replace("v .5 .5 .5", "v .5 .501 .5")).unwrap();
     let told = place.refuse("run", &["--resume", "--steps", "2"]);
-    assert!(told.contains("cube.obj has changed since the check-point"), "{told}");
+    assert!(told.contains("cube.obj has changed since the checkpoint"), "{told}");
     assert!(place.content("run") == before, "left as it is");
     std::fs::write(&other, CUBE).unwrap();
     place.succeed("run", &["--resume", "--steps", "2"]);

@@ -22,7 +22,7 @@ fn info_counts_without_baking() {
     let cache = tempfile::tempdir().unwrap();
     let done = volmap_sim(cache.path()).arg("info").arg(scene("double_dam_break.toml")).assert().success();
     let out = text(&done.get_output().stdout);
-    assert!(out.contains("particles  61,250 of radius 0.025 m") && out.contains("tank: static"), "{out}");
+    assert!(out.contains("particles  61,250; radius 0.025 m") && out.contains("tank: static"), "{out}");
     assert_eq!(std::fs::read_dir(cache.path()).unwrap().count(), 0);
 }
 

@@ -1,4 +1,38 @@
-//! Experiments with the solver: those whose answer is known, and those of the papers.
+//! Experiments with the fluids of [`volmap_fluid`]: cases whose answer is known, and experiments of the papers.
+//!
+//! ```text
+//! Experiment -> run: setups made in Rust, simulated, measured -> Outcome: rows with targets, charts -> table, JSON, PNG
+//! ```
+//!
+//! # Running experiments
+//!
+//! [`validation::EXPERIMENTS`] and [`reproduce::EXPERIMENTS`] list them. Each has a long form and a short one of about ten
+//! seconds.
+//!
+//! ```no_run
+//! use volmap_experiments::validation::{EXPERIMENTS, Run, table};
+//!
+//! # fn main() -> Result<(), volmap_fluid::Error> {
+//! let run = Run { short: true, folder: None, progress: &|text| eprintln!("{text}") };
+//! for experiment in EXPERIMENTS {
+//!     let outcome = (experiment.run)(&run)?;
+//!     print!("{}", table::to_text(experiment.name, &outcome));
+//!     assert_eq!(outcome.unmet().count(), 0, "{} misses a target", experiment.name);
+//! }
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # Adding one
+//!
+//! An experiment is one file with an `EXPERIMENT`, and one line in a list; README.md shows it. [`validation::flow`] makes
+//! water, [`reproduce::methods`] every boundary method, [`volmap_fluid::shapes`] bodies, and [`volmap_fluid::observe`]
+//! measures.
+//!
+//! # Guarantees
+//!
+//! Figures are the same on any number of threads, but for wall-clock times. Experiments need no files and write none but
+//! pictures into the folder that is given.
 
 pub mod reproduce;
 pub mod validation;

@@ -1,8 +1,8 @@
-//! Experiments of the papers, and of the methods beside each other, scaled to a small machine.
+//! Reproduction: experiments of the papers, and of all boundary methods side by side, scaled to a small machine.
 //!
 //! Bender et al. 2020, *Implicit Frictional Boundary Handling for SPH*; Band et al. 2018, *MLS Pressure Boundaries for
-//! Divergence-free and Viscous SPH Fluids*. METHODS.md of this crate tells what comes of them. They are made as those of
-//! [`crate::validation`]; a row has the paper's figure where it gives one.
+//! Divergence-free and Viscous SPH Fluids*. Their results are in METHODS.md. They are built as those of
+//! [`crate::validation`]; a row has the paper's figure where the paper gives one.
 
 pub mod band1;
 pub mod boundaries;

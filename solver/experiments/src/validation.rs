@@ -1,10 +1,10 @@
-//! Experiments whose answer is known: what a fluid must do, and what ours does.
+//! Validation: experiments whose answer is known.
 //!
 //! ```text
 //! Experiment -> run: scenes made here, simulated, measured -> Outcome: rows with targets, charts -> table, JSON, PNG
 //! ```
-//! Bender et al. 2020, *Implicit Frictional Boundary Handling for SPH*, section 5, has some of them; VALIDATION.md of
-//! this crate tells all of them with their figures.
+//! Some of them are in Bender et al. 2020, *Implicit Frictional Boundary Handling for SPH*, section 5. Their results are in
+//! VALIDATION.md.
 
 pub mod dam_break;
 pub mod floats;

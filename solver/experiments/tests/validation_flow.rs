@@ -1,5 +1,5 @@
-//! The flow experiments of `volmap-sim validate` in short, with bounds of their physics. They take a minute: the feature
-//! `long` has them.
+//! The flow experiments of `volmap-sim validate` in short, with bounds of their physics. They take a minute: the
+//! feature `long` has them.
 
 use volmap_experiments::validation::{Experiment, Outcome, Run, dam_break, floats, grid, incline, sphere};
 

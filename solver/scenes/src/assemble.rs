@@ -1,4 +1,4 @@
-//! From what a scene prepared to what the solver begins with.
+//! From a prepared scene to the setup of a simulation.
 
 use crate::error::Error;
 use crate::scene::{FreeMotion, Keyframe, Motion, Prepared, PreparedBody, Scene, Spin};
@@ -8,10 +8,10 @@ use volmap_fluid::particles::Particles;
 use volmap_fluid::simulation::Setup;
 use volmap_runtime::{DVec3, Pose};
 
-/// The beginning of a scene.
+/// The setup of a scene's simulation.
 ///
 /// # Errors
-/// A body that can't be, as [`Bodies::new`] tells.
+/// As [`Bodies::new`].
 pub fn assemble(scene: &Scene, prepared: Prepared) -> Result<Setup, Error> {
     let descriptions = prepared.bodies.iter().map(description).collect();
     let velocity = |v: &DVec3| v.as_vec3().to_array();

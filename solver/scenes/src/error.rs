@@ -1,11 +1,11 @@
-//! What can go wrong with a scene and its run.
+//! What can go wrong with a scene or its run.
 
 use std::path::PathBuf;
 
 /// Why a scene can't be run, or a run can't go on.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// The system refused.
+    /// A file or folder can't be read or written.
     #[error("{}: {source}", path.display())]
     Io {
         /// The file or folder.
@@ -33,7 +33,20 @@ pub enum Error {
     /// The simulation can't begin or go on.
     #[error(transparent)]
     Simulation(#[from] volmap_fluid::Error),
-    /// A check-point can't be used.
+    /// The folder holds a run, and [`RunSettings::begin`](crate::session::RunSettings::begin) is
+    /// [`New`](crate::session::Begin::New).
+    #[error("{}: has a run already", folder.display())]
+    RunExists {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// The folder holds no checkpoint to resume from.
+    #[error("{}: has no checkpoint to resume from", folder.display())]
+    NoCheckpoint {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// A checkpoint can't be used.
     #[error("{}: {reason}", path.display())]
     Checkpoint {
         /// The file.

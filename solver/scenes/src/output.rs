@@ -1,12 +1,12 @@
-//! What a simulation leaves: frames, statistics, pictures, check-points.
+//! What a simulation leaves: frames, statistics, pictures, checkpoints.
 //!
 //! ```text
 //! Frame -> particles/frame_000123.vtu, .ply, .bgeo   particles.pvd   frames.csv   poses.csv, poses.json
 //!       -> pictures/frame_000123.png                 animation.png
 //! StepStatistics -> stats.csv, stats.json            bodies/00_duck.ply            checkpoint
 //! ```
-//! [`folder::Output`] keeps them all. Each file but the tables appears whole or not at all; tables grow by whole rows,
-//! and a run that goes on from a check-point cuts them there.
+//! [`folder::Output`] writes all of them. Each file but the tables appears whole or not at all. Tables grow by whole
+//! rows, and a run that resumes from a checkpoint cuts them after the last row that the checkpoint knows of.
 
 pub mod animation;
 pub mod bodies;
@@ -22,7 +22,7 @@ pub mod table;
 pub use checkpoint::{Checkpoint, CheckpointWriter};
 pub use folder::{FolderSettings, Output};
 pub use frame::{BodyFrame, Frame};
-pub use statistics::StepStatistics;
+pub use statistics::{RunSummary, StepStatistics};
 
 use crate::error::Error;
 use std::path::Path;

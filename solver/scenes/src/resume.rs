@@ -1,4 +1,4 @@
-//! Check-points: all that a simulation needs to go on with the same bytes.
+//! Saving a simulation as a checkpoint, and loading it.
 
 use crate::error::Error;
 use crate::output::{Checkpoint, CheckpointWriter};
@@ -8,7 +8,7 @@ use volmap_fluid::particles::Particles;
 use volmap_fluid::simulation::Simulation;
 use volmap_fluid::state::State;
 
-/// What a check-point is of.
+/// What identifies the scene of a checkpoint.
 #[derive(Clone, Debug)]
 pub struct Identity {
     /// Hash of all in the scene that a run depends on.
@@ -18,8 +18,7 @@ pub struct Identity {
 }
 
 impl Identity {
-    /// Of a scene and its files. Output and end may change from one run to the next, and folders may be moved; the rest
-    /// may not.
+    /// The identity of a scene and its files. Output and end of the scene don't count, nor do the folders of files.
     pub fn new(scene: &Scene, files: Vec<SourceFile>) -> Identity {
         let mut run =
             Scene { output: Default::default(), stop: Default::default(), cache: None, ..scene.clone() };
@@ -38,7 +37,7 @@ impl Identity {
         self.files.iter().flat_map(|file| file.content).collect()
     }
 
-    /// The first file that is not as it was.
+    /// The first file whose content differs.
     fn changed(&self, contents: &[u8]) -> Option<&SourceFile> {
         let (before, _) = contents.as_chunks::<32>();
         let mut pairs = self.files.iter().enumerate();
@@ -46,7 +45,7 @@ impl Identity {
     }
 }
 
-/// Writes the state after the last step, and how many frames have been written by then.
+/// Writes the state after the last step, and the number of frames written so far.
 ///
 /// # Errors
 /// A file that can't be written.
@@ -69,7 +68,7 @@ pub fn save(simulation: &Simulation, frames: u64, path: &Path, identity: &Identi
     file.finish()
 }
 
-/// Reads a state into the simulation of the same scene; the number of frames that had been written.
+/// Reads a state into the simulation of the same scene. Returns the number of frames that had been written.
 ///
 /// # Errors
 /// A file that can't be read, is damaged, or belongs to another scene, or to other maps or meshes.
@@ -78,7 +77,7 @@ pub fn load(simulation: &mut Simulation, path: &Path, identity: &Identity) -> Re
     if let Some(changed) = identity.changed(file.get("files")?) {
         let changed = changed.path.display();
         return Err(file.refuse(format!(
-            "{changed} has changed since the check-point: put the old file back, or begin anew with `overwrite`"
+            "{changed} has changed since the checkpoint: put the old file back, or begin again"
         )));
     }
     let [step, next_id, frames] = fixed(&file, "step", file.get_u64("step")?)?;

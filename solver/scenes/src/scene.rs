@@ -26,7 +26,7 @@ pub use numbers::{Region, Rotation};
 pub use output::{OutputSettings, Picture, StopSettings};
 pub use prepare::{Prepared, PreparedBody, SourceFile, prepare};
 pub use read::{load, parse};
-pub use summary::{Summary, check, info};
+pub use summary::{SceneSummary, check, info};
 pub use volmap_documents::Syntax;
 
 use crate::error::Error;

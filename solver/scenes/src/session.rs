@@ -1,32 +1,47 @@
-//! A run: a scene simulated into a folder, from the beginning or from its check-point.
+//! A run: a scene simulated into a folder, from the beginning or from its checkpoint.
+//!
+//! [`Session::run`] does all of it. [`Session::step`] and [`Session::finish`] are its pieces, for programs that have
+//! a loop of their own.
+
+mod contents;
 
 use crate::assemble::assemble;
 use crate::error::Error;
-use crate::output::{self, BodyFrame, Frame, Output, StepStatistics};
+use crate::output::bodies::BodyMesh;
+use crate::output::folder::Start;
+use crate::output::statistics::RunSummary;
+use crate::output::{self, Frame, Output, StepStatistics};
 use crate::resume::{self, Identity};
-use crate::scene::{self, Picture, Prepared, PreparedBody, Scene};
+use crate::scene::{self, Scene};
+use contents::{body_frames, body_meshes, folder_settings, picture_world};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::time::{Duration, Instant};
-use volmap_fluid::simulation::{Simulation, StepReport};
-use volmap_fluid::stages::Stages;
-use volmap_formats::asset::Exterior;
-use volmap_formats::mesh::TriangleMesh;
+use std::time::Instant;
+use volmap_fluid::simulation::Simulation;
 
 /// How a run begins and ends.
 #[derive(Clone, Debug, Default)]
 pub struct RunSettings {
-    /// Goes on from the folder's check-point.
-    pub resume: bool,
-    /// Replaces a run that is in the folder.
-    pub overwrite: bool,
-    /// Ends after this many steps in all; before, if the scene says so.
+    /// What becomes of a run that is in the folder already.
+    pub begin: Begin,
+    /// Ends after this many steps in all, counted from the beginning of the scene, instead of the scene's number.
     pub steps: Option<u64>,
     /// Ends at this time, seconds, instead of the scene's.
     pub until: Option<f64>,
 }
 
-/// A run at work.
+/// How a run begins.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Begin {
+    /// At time 0, in a folder without a run.
+    #[default]
+    New,
+    /// At time 0, in place of a run that is in the folder.
+    Overwrite,
+    /// From the checkpoint in the folder.
+    Resume,
+}
+
+/// A run in progress.
 pub struct Session {
     simulation: Simulation,
     output: Output,
@@ -36,17 +51,28 @@ pub struct Session {
     end: f64,
     last_step: Option<u64>,
     next_checkpoint: f64,
-    /// What a careful person would look at before the run.
+    /// What the user should look at before the run: particles left out of bodies, coarse maps.
     pub notes: Vec<String>,
 }
 
-/// What a step of a run was like.
+/// A step that was done, with its output.
+#[derive(Clone, Debug)]
+pub struct Step {
+    /// Iterations, errors, counts and times.
+    pub statistics: StepStatistics,
+    /// The number of the frame that was written after it, if one was due.
+    pub frame: Option<u64>,
+}
+
+/// What [`Session::run`] tells after each step.
 pub struct Progress<'a> {
     /// The step.
-    pub statistics: &'a StepStatistics,
-    /// Where the run will end, seconds; the last step, if that is fixed.
+    pub step: &'a Step,
+    /// Particles and bodies after the step.
+    pub simulation: &'a Simulation,
+    /// Time at which the run ends, seconds.
     pub end: f64,
-    /// See `end`.
+    /// Step after which the run ends, if it has a fixed number of them.
     pub last_step: Option<u64>,
 }
 
@@ -54,50 +80,42 @@ const CHECKPOINT: &str = "checkpoint";
 const STATISTICS: &str = "stats.csv";
 
 impl Session {
-    /// Reads a scene, bakes what isn't baked, and opens the folder. `on_bake` hears of each mesh before it is baked.
+    /// Reads a scene file and begins as [`Session::new`].
     ///
     /// # Errors
-    /// A scene, mesh, map or check-point that can't be used; a folder with another run.
+    /// A scene file that can't be used, and as [`Session::new`].
     pub fn open(
         path: &Path,
         folder: &Path,
         settings: &RunSettings,
         on_bake: &mut dyn FnMut(&Path),
     ) -> Result<Session, Error> {
-        let checkpoint = folder.join(CHECKPOINT);
-        refuse_to_replace(folder, settings)?;
-        let scene = scene::load(path)?;
+        Session::new(scene::load(path)?, folder, settings, on_bake)
+    }
+
+    /// Bakes the meshes that aren't baked, opens the folder, and writes the first frame or reads the checkpoint.
+    /// `on_bake` is called with each mesh before it is baked.
+    ///
+    /// # Errors
+    /// A scene, mesh, map or checkpoint that can't be used; [`Error::RunExists`] and [`Error::NoCheckpoint`].
+    pub fn new(
+        scene: Scene,
+        folder: &Path,
+        settings: &RunSettings,
+        on_bake: &mut dyn FnMut(&Path),
+    ) -> Result<Session, Error> {
+        refuse_to_replace(folder, settings.begin)?;
         let prepared = scene::prepare(&scene, on_bake)?;
         let notes = prepared.notes.clone();
         let identity = Identity::new(&scene, prepared.files.clone());
         let meshes = body_meshes(&prepared.bodies);
         let world = picture_world(&scene, &prepared, &meshes);
-        let names: Vec<String> = prepared.bodies.iter().map(|body| body.name.clone()).collect();
+        let meshes: Vec<BodyMesh> = meshes.into_iter().flatten().collect();
         let mut simulation = Simulation::new(assemble(&scene, prepared)?)?;
-        let start = if settings.resume {
-            let frames = resume::load(&mut simulation, &checkpoint, &identity)?;
-            Some(output::folder::Start { step: simulation.steps(), frames })
-        } else {
-            None
-        };
-        if !settings.resume {
-            // One of an earlier run would be another run's; it goes before the tables that belong to it.
-            std::fs::remove_file(&checkpoint)
-                .or_else(ignore_missing)
-                .map_err(output::io_error(&checkpoint))?;
-        }
-        if settings.overwrite {
-            output::folder::clear(folder)?;
-        }
-        let meshes: Vec<(&str, &TriangleMesh)> = names
-            .iter()
-            .zip(&meshes)
-            .filter_map(|(name, mesh)| Some((name.as_str(), mesh.as_deref()?)))
-            .collect();
+        let start = begin(&mut simulation, folder, settings.begin, &identity)?;
         let output = Output::open(folder, &folder_settings(&scene), world, &meshes, start)?;
-        let interval = scene.output.checkpoint_interval;
         let mut session = Session {
-            next_checkpoint: simulation.time() + interval,
+            next_checkpoint: simulation.time() + scene.output.checkpoint_interval,
             end: settings.until.unwrap_or(scene.stop.time),
             last_step: settings.steps.or(scene.stop.steps),
             folder: folder.to_owned(),
@@ -107,53 +125,102 @@ impl Session {
             identity,
             notes,
         };
-        if !settings.resume {
+        if settings.begin != Begin::Resume {
             session.write_frame()?;
         }
         Ok(session)
     }
 
-    /// Simulates until the end, or until `go_on` says no; tells `go_on` of every step.
+    /// Simulates until the end, or until `go_on` returns false, and finishes. `go_on` is called after each step.
     ///
     /// # Errors
-    /// [`Error::Simulation`]; files that can't be written. What has been written stays, and the last check-point.
-    pub fn run(
-        &mut self,
-        go_on: &mut dyn FnMut(&Progress) -> bool,
-    ) -> Result<output::statistics::Summary, Error> {
+    /// As [`Session::step`] and [`Session::finish`].
+    pub fn run(&mut self, go_on: &mut dyn FnMut(&Progress) -> bool) -> Result<RunSummary, Error> {
         while !self.is_done() {
-            let before = self.simulation.time();
-            let report = self.simulation.step()?;
-            let writing = Instant::now();
-            self.write_frame_if_due(before)?;
-            let statistics = statistics(&self.simulation, &report, writing.elapsed());
-            if self.scene.output.statistics {
-                self.output.step(&statistics)?;
-            }
-            // It counts the frames and rows before it.
-            self.checkpoint_if_due()?;
-            if !go_on(&Progress { statistics: &statistics, end: self.end, last_step: self.last_step }) {
+            let step = self.step()?;
+            let progress = Progress {
+                step: &step,
+                simulation: &self.simulation,
+                end: self.end,
+                last_step: self.last_step,
+            };
+            if !go_on(&progress) {
                 break;
             }
         }
+        self.finish()
+    }
+
+    /// One step, with the frame and the checkpoint that are due after it.
+    ///
+    /// # Errors
+    /// [`Error::Simulation`]; files that can't be written. What has been written stays, and so does the last
+    /// checkpoint.
+    pub fn step(&mut self) -> Result<Step, Error> {
+        let before = self.simulation.time();
+        let report = self.simulation.step()?;
+        let writing = Instant::now();
+        let frame = self.write_frame_if_due(before)?;
+        let statistics = StepStatistics::of(&self.simulation, &report, writing.elapsed());
+        if self.scene.output.statistics {
+            self.output.step(&statistics)?;
+        }
+        // It counts the frames and rows before it.
+        self.checkpoint_if_due()?;
+        Ok(Step { statistics, frame })
+    }
+
+    /// Writes the checkpoint and what sums up the run so far. The run can go on afterwards, here or by
+    /// [`Begin::Resume`].
+    ///
+    /// # Errors
+    /// Files that can't be read or written.
+    pub fn finish(&mut self) -> Result<RunSummary, Error> {
         self.checkpoint()?;
         self.output.finish()
     }
 
-    /// Whether the run has come to its end, and wasn't stopped before.
+    /// Whether the run has reached its end.
     pub fn is_done(&self) -> bool {
         self.simulation.time() >= self.end - 1e-12
             || self.last_step.is_some_and(|last| self.simulation.steps() >= last)
     }
 
-    /// A frame, if the last step, which began at `before`, came to or over a multiple of the frames' interval.
-    fn write_frame_if_due(&mut self, before: f64) -> Result<(), Error> {
+    /// The simulation: particles, bodies, time.
+    pub fn simulation(&self) -> &Simulation {
+        &self.simulation
+    }
+
+    /// A frame, if the last step, which began at `before`, reached or passed a multiple of the frames' interval.
+    fn write_frame_if_due(&mut self, before: f64) -> Result<Option<u64>, Error> {
         // The tolerance is for times that are sums of steps.
         let intervals = |time: f64| (time * self.scene.output.frames_per_second + 1e-9).floor();
-        if intervals(self.simulation.time()) > intervals(before) {
-            self.write_frame()?;
+        if intervals(self.simulation.time()) <= intervals(before) {
+            return Ok(None);
         }
-        Ok(())
+        self.write_frame()
+    }
+
+    /// A frame, unless the scene wants none; returns its number.
+    fn write_frame(&mut self) -> Result<Option<u64>, Error> {
+        if self.scene.output.frames_per_second <= 0.0 {
+            return Ok(None);
+        }
+        let number = self.output.frames();
+        let simulation = &self.simulation;
+        let particles = simulation.particles();
+        self.output.frame(&Frame {
+            time: simulation.time(),
+            step: simulation.steps(),
+            particle_radius: self.scene.particle_radius,
+            positions: &particles.positions,
+            velocities: &particles.velocities,
+            density: simulation.densities(),
+            pressure: &simulation.pressures(),
+            ids: &particles.ids,
+            bodies: &body_frames(simulation),
+        })?;
+        Ok(Some(number))
     }
 
     fn checkpoint_if_due(&mut self) -> Result<(), Error> {
@@ -165,146 +232,41 @@ impl Session {
         Ok(())
     }
 
-    fn write_frame(&mut self) -> Result<(), Error> {
-        if self.scene.output.frames_per_second <= 0.0 {
-            return Ok(());
-        }
-        let simulation = &self.simulation;
-        let particles = simulation.particles();
-        let states: Vec<_> =
-            (0..simulation.bodies().posed().len()).map(|body| simulation.bodies().state(body)).collect();
-        let bodies: Vec<BodyFrame> = states
-            .iter()
-            .enumerate()
-            .map(|(body, state)| BodyFrame {
-                name: simulation.bodies().name(body),
-                pose: state.pose,
-                velocity: state.velocity,
-                angular_velocity: state.angular_velocity,
-            })
-            .collect();
-        self.output.frame(&Frame {
-            time: simulation.time(),
-            step: simulation.steps(),
-            particle_radius: self.scene.particle_radius,
-            positions: &particles.positions,
-            velocities: &particles.velocities,
-            density: simulation.densities(),
-            pressure: &simulation.pressures(),
-            ids: &particles.ids,
-            bodies: &bodies,
-        })
-    }
-
     fn checkpoint(&self) -> Result<(), Error> {
         resume::save(&self.simulation, self.output.frames(), &self.folder.join(CHECKPOINT), &self.identity)
     }
+}
 
-    /// The simulation.
-    pub fn simulation(&self) -> &Simulation {
-        &self.simulation
+/// A run in the folder is left alone unless the settings say what becomes of it.
+fn refuse_to_replace(folder: &Path, begin: Begin) -> Result<(), Error> {
+    let folder = folder.to_owned();
+    match begin {
+        Begin::Resume if !folder.join(CHECKPOINT).exists() => Err(Error::NoCheckpoint { folder }),
+        Begin::New if folder.join(STATISTICS).exists() => Err(Error::RunExists { folder }),
+        _ => Ok(()),
     }
 }
 
-/// A folder with a run in it is left alone unless one says what is to be done.
-fn refuse_to_replace(folder: &Path, settings: &RunSettings) -> Result<(), Error> {
-    let file = folder.join(STATISTICS);
-    let refuse =
-        |reason: &str| Err(Error::Scene { place: folder.display().to_string(), reason: reason.into() });
-    if settings.resume && !folder.join(CHECKPOINT).exists() {
-        return refuse("has no check-point to resume from: begin with `overwrite` instead of `resume`");
+/// Brings the simulation to where the run begins, and removes what doesn't belong to it.
+fn begin(
+    simulation: &mut Simulation,
+    folder: &Path,
+    begin: Begin,
+    identity: &Identity,
+) -> Result<Option<Start>, Error> {
+    let checkpoint = folder.join(CHECKPOINT);
+    if begin == Begin::Resume {
+        let frames = resume::load(simulation, &checkpoint, identity)?;
+        return Ok(Some(Start { step: simulation.steps(), frames }));
     }
-    if !settings.resume && !settings.overwrite && file.exists() {
-        return refuse("has a run already: `resume` goes on with it, `overwrite` replaces it");
+    // A checkpoint of an earlier run goes before the tables that belong to it.
+    std::fs::remove_file(&checkpoint).or_else(ignore_missing).map_err(output::io_error(&checkpoint))?;
+    if begin == Begin::Overwrite {
+        output::folder::clear(folder)?;
     }
-    Ok(())
+    Ok(None)
 }
 
 fn ignore_missing(error: std::io::Error) -> std::io::Result<()> {
     if error.kind() == std::io::ErrorKind::NotFound { Ok(()) } else { Err(error) }
-}
-
-fn folder_settings(scene: &Scene) -> output::FolderSettings {
-    let settings = &scene.output;
-    let frames_per_second = settings.frames_per_second.round().clamp(1.0, 1000.0) as u16;
-    output::FolderSettings {
-        particles: settings.formats.clone(),
-        pictures: !settings.preview.is_empty(),
-        picture: output::picture::PictureSettings { camera: settings.camera.clone(), ..Default::default() },
-        animate: settings.preview.contains(&Picture::Apng),
-        animation: output::animation::AnimationSettings { frames_per_second, ..Default::default() },
-    }
-}
-
-/// The mesh of each body, as it was given or from its map's surface; none where there is no surface.
-fn body_meshes(bodies: &[PreparedBody]) -> Vec<Option<Arc<TriangleMesh>>> {
-    let surface = |body: &PreparedBody| output::bodies::surface_of_map(&body.map).ok().map(Arc::new);
-    bodies.iter().map(|body| body.mesh.clone().or_else(|| surface(body))).collect()
-}
-
-fn picture_world(
-    scene: &Scene,
-    prepared: &Prepared,
-    meshes: &[Option<Arc<TriangleMesh>>],
-) -> output::picture::World {
-    let mut bounds = output::picture::Bounds::EMPTY;
-    for &position in &prepared.particles.positions {
-        bounds.add(position.as_vec3());
-    }
-    for place in prepared.emitters.iter().flat_map(|emitter| emitter.layer()) {
-        bounds.add(place.as_vec3());
-    }
-    let mut props = Vec::new();
-    for (body, mesh) in prepared.bodies.iter().zip(meshes) {
-        let Some(mesh) = mesh else { continue };
-        for &vertex in &mesh.vertices {
-            bounds.add(body.pose.to_world(vertex.into()).as_vec3());
-        }
-        props.push(output::picture::Prop {
-            name: body.name.clone(),
-            model: output::picture::Model::new(mesh),
-            pose: body.pose,
-            container: body.map.exterior() == Exterior::Solid,
-            colour: body.settings.colour.map(|colour| colour.map(|channel| (channel * 255.0).round() as u8)),
-        });
-    }
-    output::picture::World {
-        bounds: bounds.or_unit(),
-        gravity: scene.world().gravity.as_vec3(),
-        rest_density: scene.fluid.rest_density,
-        props,
-    }
-}
-
-fn statistics(simulation: &Simulation, report: &StepReport, writing: Duration) -> StepStatistics {
-    let ms = |duration: Duration| 1e3 * duration.as_secs_f64();
-    let stages: &Stages = &report.stages;
-    StepStatistics {
-        step: simulation.steps(),
-        time: simulation.time(),
-        dt: report.dt,
-        particles: simulation.particles().len() as u64,
-        density_iterations: report.density.iterations,
-        divergence_iterations: report.divergence.iterations,
-        viscosity_iterations: report.viscosity.iterations,
-        density_error: report.density.error,
-        divergence_error: report.divergence.error,
-        viscosity_error: report.viscosity.error,
-        max_speed: report.max_speed,
-        neighbours: simulation.mean_neighbours(),
-        near_bodies: report.near_bodies as u64,
-        emitted: report.emitted as u64,
-        removed: report.removed as u64,
-        inside_body: report.inside as u64,
-        step_ms: ms(stages.total() + writing),
-        sort_ms: ms(stages.sort),
-        neighbours_ms: ms(stages.neighbours),
-        boundary_ms: ms(stages.boundary),
-        density_ms: ms(stages.density),
-        divergence_ms: ms(stages.divergence),
-        pressure_ms: ms(stages.pressure),
-        viscosity_ms: ms(stages.non_pressure + stages.advance),
-        rigid_ms: ms(stages.rigid),
-        output_ms: ms(writing),
-    }
 }

@@ -1,5 +1,5 @@
-//! All boundary methods and pressures at the boundary in small simulations: densities at a wall, water at rest, momentum,
-//! threads, and scenes that can't be.
+//! All boundary methods and pressures at the boundary in small simulations: densities at a wall, water at rest,
+//! momentum, threads, and scenes that can't be.
 
 use std::path::{Path, PathBuf};
 use volmap_bake::parameters::{Parameters, Scale};

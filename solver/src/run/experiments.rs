@@ -1,5 +1,6 @@
 //! `volmap-sim validate` and `volmap-sim reproduce`.
 
+use super::set_threads;
 use crate::args::ExperimentArguments;
 use anyhow::{Context, Error, Result, bail};
 use std::fs;
@@ -9,19 +10,21 @@ use volmap_experiments::validation::{Experiment, Run};
 use volmap_formats::text::duration;
 use volmap_report::experiments::{Finished, choose, list, table, to_json};
 
-/// Runs experiments, prints their figures beside what they should be, and writes the charts and `file`, the figures.
-pub fn run_experiments(
-    experiments: &'static [Experiment],
-    file: &str,
-    arguments: &ExperimentArguments,
-) -> Result<()> {
+/// The experiments of a command.
+pub struct ExperimentSet {
+    /// All of them, in the order in which they run.
+    pub experiments: &'static [Experiment],
+    /// File name of their results.
+    pub results: &'static str,
+}
+
+/// Runs experiments, prints their results beside the targets, and writes charts and results.
+pub fn run_experiments(set: &ExperimentSet, arguments: &ExperimentArguments) -> Result<()> {
     if arguments.list {
-        return Ok(write!(io::stdout().lock(), "{}", list(experiments))?);
+        return Ok(write!(io::stdout().lock(), "{}", list(set.experiments))?);
     }
-    let chosen = choose(experiments, &arguments.names).map_err(Error::msg)?;
-    if let Some(threads) = arguments.threads {
-        rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global()?;
-    }
+    let chosen = choose(set.experiments, &arguments.names).map_err(Error::msg)?;
+    set_threads(arguments.threads)?;
     if let Some(folder) = &arguments.output {
         fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
     }
@@ -41,7 +44,7 @@ pub fn run_experiments(
         finished.push(one);
         if let Some(folder) = &arguments.output {
             // After each one: all of them take long.
-            write(&folder.join(file), &finished, arguments.short)?;
+            write_results(&folder.join(set.results), &finished, arguments.short)?;
         }
     }
     let unmet: usize = finished.iter().map(|one| one.outcome.unmet().count()).sum();
@@ -51,11 +54,11 @@ pub fn run_experiments(
     Ok(())
 }
 
-fn write(figures: &Path, finished: &[Finished], short: bool) -> Result<()> {
+fn write_results(path: &Path, finished: &[Finished], short: bool) -> Result<()> {
     for chart in finished.iter().flat_map(|one| &one.outcome.charts) {
-        let path = figures.with_file_name(&chart.file);
+        let path = path.with_file_name(&chart.file);
         fs::write(&path, chart.chart.to_png()).with_context(|| path.display().to_string())?;
     }
     let text = format!("{:#}\n", to_json(env!("CARGO_PKG_VERSION"), short, finished));
-    fs::write(figures, text).with_context(|| figures.display().to_string())
+    fs::write(path, text).with_context(|| path.display().to_string())
 }

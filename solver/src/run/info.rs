@@ -3,15 +3,15 @@
 use crate::args::SceneArguments;
 use anyhow::Result;
 use std::io::{self, Write};
-use volmap_scenes::scene::{self, Summary};
+use volmap_scenes::scene::{self, SceneSummary};
 
-/// Tells what is in a scene.
+/// Shows the contents of a scene.
 pub fn run_info(arguments: &SceneArguments) -> Result<()> {
     print(&scene::info(&arguments.scene)?, arguments.json)
 }
 
-/// A summary on standard output.
-pub fn print(summary: &Summary, json: bool) -> Result<()> {
+/// Prints a summary on standard output.
+pub fn print(summary: &SceneSummary, json: bool) -> Result<()> {
     let mut out = io::stdout().lock();
     match json {
         true => writeln!(out, "{}", serde_json::to_string_pretty(summary)?)?,

@@ -13,53 +13,66 @@ use volmap_fluid::shapes::{Shape, cuboid};
 use volmap_fluid::simulation::Simulation;
 use volmap_runtime::{ClosureKind, DVec3};
 
-/// It.
+/// Its entry in [`EXPERIMENTS`](super::EXPERIMENTS).
 pub const EXPERIMENT: Experiment = Experiment {
     name: "band1",
     title: "Iterations by step, Band Table 1",
-    about: "A dam breaks in a flat cylinder at four fixed steps (scaled: 1 m for 3 m, spacing 25 mm for 8, steps 5.41 times as long)",
+    about: "A dam breaks in a flat cylinder, in four fixed steps (scaled: 1 m for 3 m, 25 mm for 8 mm)",
     run,
 };
 
-/// Of the cylinder, metres: a third of the paper's.
+/// Radius and half length of the cylinder, metres: a third of the paper's.
 const RADIUS: f64 = 0.5;
 const HALF_LENGTH: f64 = 0.25 / 3.0;
 /// Spacing of the particles, metres; the paper's is 8 mm.
 const SPACING: f64 = 0.025;
-/// Where the gate stands that holds the water until it rests.
+/// Position of the gate that holds the water until it rests, metres.
 const GATE: f64 = -0.11 * RADIUS;
-/// With more particles lost than these, a run is none.
+/// A run that loses more particles is not counted.
 const MOST_LOST: f64 = 10.0;
 /// The paper's steps, seconds.
 const STEPS: [f64; 4] = [0.25e-3, 0.5e-3, 1e-3, 1.5e-3];
 
-/// A method, the paper's iterations, and its milliseconds a step.
-type Case = (Method, Option<([f64; 4], [f64; 4])>);
+/// A method, and what the paper has for it.
+struct Case {
+    method: Method,
+    paper: Option<PaperCosts>,
+}
+
+/// The paper's figures for each of [`STEPS`].
+#[derive(Clone, Copy)]
+struct PaperCosts {
+    /// Iterations of both solves in a step.
+    iterations: [f64; 4],
+    /// Milliseconds of a step.
+    times: [f64; 4],
+}
 
 fn cases() -> [Case; 6] {
-    let particles = |pressure, paper| (Method::of(BoundaryMethod::Particles, pressure), paper);
-    let maps = |closure, pressure| (Method::maps(closure, pressure), None);
+    let particles = |pressure, paper| Case { method: Method::of(BoundaryMethod::Particles, pressure), paper };
+    let maps = |closure, pressure| Case { method: Method::maps(closure, pressure), paper: None };
+    let paper = |iterations, times| Some(PaperCosts { iterations, times });
     [
-        particles(BoundaryPressure::Mirror, Some(([4.0, 5.7, 12.0, 14.9], [116.0, 186.0, 448.0, 559.0]))),
-        particles(BoundaryPressure::Sph, Some(([4.0, 5.7, 12.2, 16.0], [120.0, 192.0, 467.0, 618.0]))),
-        particles(BoundaryPressure::Mls, Some(([4.0, 5.6, 11.8, 14.9], [123.0, 192.0, 462.0, 587.0]))),
+        particles(BoundaryPressure::Mirror, paper([4.0, 5.7, 12.0, 14.9], MIRRORING)),
+        particles(BoundaryPressure::Sph, paper([4.0, 5.7, 12.2, 16.0], [120.0, 192.0, 467.0, 618.0])),
+        particles(BoundaryPressure::Mls, paper([4.0, 5.6, 11.8, 14.9], [123.0, 192.0, 462.0, 587.0])),
         particles(BoundaryPressure::Own, None),
         maps(ClosureKind::Mirror, BoundaryPressure::Own),
         maps(ClosureKind::Mirror, BoundaryPressure::Mls),
     ]
 }
 
-/// Of a run.
+/// Cost of a run.
 #[derive(Clone, Copy, Debug, Default)]
 struct Cost {
     steps: f64,
     density: f64,
     divergence: f64,
-    /// Seconds.
+    /// Wall-clock time, seconds.
     time: f64,
-    /// When it stopped being a fluid.
+    /// Time at which the simulation failed.
     stopped: Option<f64>,
-    /// Particles in the wall or beyond at the end, removed ones among them.
+    /// Particles in the wall or beyond at the end, removed ones included.
     lost: f64,
     removed: usize,
 }
@@ -67,17 +80,17 @@ struct Cost {
 fn run(run: &Run) -> Result<Outcome, Error> {
     let mut outcome = Outcome::default();
     let mut curves = vec![Vec::new(); cases().len()];
-    let scenes =
-        cases().into_iter().map(|(method, _)| settled(run, method)).collect::<Result<Vec<Scene>, Error>>()?;
+    let dams =
+        cases().into_iter().map(|case| settled(run, case.method)).collect::<Result<Vec<Dam>, Error>>()?;
     for (n, step) in STEPS.into_iter().enumerate() {
         if run.short && n % 2 == 0 {
             continue;
         }
         (run.progress)(&format!("band1: steps for the paper's {} ms", 1e3 * step));
-        let costs = costs(&scenes, step * scale(), run.pick(0.2, 1.2))?;
-        for (m, (method, paper)) in cases().into_iter().enumerate() {
+        let costs = costs(&dams, step * scale(), run.pick(0.2, 1.2))?;
+        for (m, Case { method, paper }) in cases().into_iter().enumerate() {
             let case = format!("{} ms: {}", 1e3 * step, method.name());
-            let paper = paper.map(|(iterations, times)| [iterations[n], times[n] / MIRRORING[n]]);
+            let paper = paper.map(|paper| [paper.iterations[n], paper.times[n] / MIRRORING[n]]);
             outcome.rows.extend(rows(&case, costs[m], costs[0], paper));
             if costs[m].is_fluid() {
                 curves[m].push([1e3 * step, (costs[m].density + costs[m].divergence) / costs[m].steps]);
@@ -85,24 +98,25 @@ fn run(run: &Run) -> Result<Outcome, Error> {
         }
     }
     let series = cases().into_iter().zip(curves).zip(DISTINCT);
-    let series = series.map(|(((method, _), points), colour)| curve(method.name(), colour, points)).collect();
+    let series = series.map(|((case, points), colour)| curve(case.method.name(), colour, points)).collect();
     let axes = [["The paper's step", "ms"], ["Iterations", "a step"]];
     outcome.chart("band1-iterations.png", chart("Iterations by step", axes[0], axes[1], series));
     outcome.notes.push(format!(
-        "Scaled: a cylinder of 1 m x 0.17 m with {SPACING} m between particles for 3 m x 0.5 m with 8 mm; steps are {:.2} times the \
-         paper's, so that water as fast as its height allows crosses the same part of a spacing; 1.2 s for 10 s, after \
-         the water has come to rest behind a gate. As the paper, errors \
-         of 0.1 % and iterations that begin at zero, two at least in each solve. The methods take turns step by step, so that \
-         what else the machine does slows all.",
+        "\
+         Scaled: a cylinder of 1 m x 0.17 m with {SPACING} m between particles, for one of 3 m x 0.5 m with 8 mm. \
+         Steps are {:.2} times the paper's: water that falls by the cylinder's height then crosses the same part of \
+         a spacing. 1.2 s for 10 s, after the water has come to rest behind a gate. As in the paper, errors are 0.1 \
+         %, iterations begin at zero, and each solve has two at least. The methods take turns step by step, so that \
+         other load on the machine slows all of them alike.",
         scale()
     ));
     Ok(outcome)
 }
 
-/// The paper's milliseconds by mirroring.
+/// The paper's milliseconds of a step with mirroring.
 const MIRRORING: [f64; 4] = [116.0, 186.0, 448.0, 559.0];
 
-/// Of the steps: spacings over the root of the heights.
+/// Ratio of our steps to the paper's: of the spacings, over the root of the heights' ratio.
 fn scale() -> f64 {
     SPACING / 0.008 * (3.0 / (2.0 * RADIUS)).sqrt()
 }
@@ -113,15 +127,15 @@ impl Cost {
     }
 }
 
-/// A method, its cylinder, and its dam.
-struct Scene {
+/// A method, its cylinder, and the water behind the dam.
+struct Dam {
     method: Method,
     cylinder: Shape,
-    dam: Vec<DVec3>,
+    water: Vec<DVec3>,
 }
 
-/// All methods at one step (s), in turns, until a time (s).
-fn costs(scenes: &[Scene], dt: f64, end: f64) -> Result<Vec<Cost>, Error> {
+/// Runs all methods with steps of `dt` (s), in turns, until a time (s).
+fn costs(dams: &[Dam], dt: f64, end: f64) -> Result<Vec<Cost>, Error> {
     let mut solver = fixed_step(SolverSettings::default(), dt);
     solver.warm_start = 0.0;
     for solve in [&mut solver.density, &mut solver.divergence] {
@@ -129,8 +143,8 @@ fn costs(scenes: &[Scene], dt: f64, end: f64) -> Result<Vec<Cost>, Error> {
         solve.min_iterations = 2;
     }
     let mut all = Vec::new();
-    for scene in scenes {
-        all.push((scene.simulation(&scene.dam, None, solver.clone())?, Cost::default()));
+    for dam in dams {
+        all.push((dam.simulation(&dam.water, None, solver.clone())?, Cost::default()));
     }
     while all.iter().any(|(simulation, cost)| cost.stopped.is_none() && simulation.time() < end) {
         for (simulation, cost) in &mut all {
@@ -161,7 +175,7 @@ fn advance(simulation: &mut Simulation, cost: &mut Cost) -> Result<(), Error> {
     Ok(())
 }
 
-impl Scene {
+impl Dam {
     fn simulation(
         &self,
         places: &[DVec3],
@@ -181,8 +195,8 @@ impl Scene {
     }
 }
 
-/// Water at rest in the left part of the cylinder, which lies: 43 % of it, as the paper's number of particles says.
-fn settled(run: &Run, method: Method) -> Result<Scene, Error> {
+/// Water at rest in the left part of the lying cylinder: 43 % of it, which follows from the paper's particle count.
+fn settled(run: &Run, method: Method) -> Result<Dam, Error> {
     (run.progress)(&format!("band1: {} comes to rest", method.name()));
     let radius = 0.5 * SPACING;
     let cylinder = method.shape(prism(&circle(RADIUS, 96), HALF_LENGTH), radius, true)?;
@@ -195,13 +209,13 @@ fn settled(run: &Run, method: Method) -> Result<Scene, Error> {
     let mut places = lattice(-half, half, radius);
     places.retain(|x| x.x < GATE - CLEARANCE * radius && x.truncate().length() < RADIUS - CLEARANCE * radius);
     let calm = Method { pressure: BoundaryPressure::Own, ..method };
-    let scene = Scene { method: calm, cylinder, dam: Vec::new() };
+    let calm = Dam { method: calm, cylinder, water: Vec::new() };
     let mut solver = SolverSettings::default();
     solver.time_step.max = 0.0005;
     solver.time_step.min = 1e-5;
-    let mut simulation = scene.simulation(&places, Some(&gate), solver)?;
+    let mut simulation = calm.simulation(&places, Some(&gate), solver)?;
     until(&mut simulation, run.pick(0.15, 0.6), &mut |_, _| ())?;
-    Ok(Scene { method, dam: simulation.particles().positions.clone(), ..scene })
+    Ok(Dam { method, water: simulation.particles().positions.clone(), ..calm })
 }
 
 /// Particles that were lost, or are deeper in the wall than rp.

@@ -1,4 +1,4 @@
-//! The boundary methods of the papers, under the names that tables call them by.
+//! The boundary methods of the papers, with their names in tables.
 
 use super::methods::Method;
 use crate::validation::flow::solver;
@@ -13,9 +13,9 @@ use volmap_runtime::ClosureKind;
 /// A boundary method with a name.
 #[derive(Clone, Copy, Debug)]
 pub struct Named {
-    /// As tables call it.
+    /// Its name in tables.
     pub name: &'static str,
-    /// It.
+    /// Boundary, closure and pressure.
     pub method: Method,
 }
 
@@ -37,7 +37,7 @@ pub const PAPER_MAP: Named = Named {
     method: Method::maps(ClosureKind::Paper, BoundaryPressure::Mirror),
 };
 
-/// The default of scenes: closure `mirror`, no pressure of the boundary's own.
+/// The default of scenes: closure `mirror`, boundary pressure `own`.
 pub const VOLUME_MAP: Named =
     Named { name: "volume map", method: Method::maps(ClosureKind::Mirror, BoundaryPressure::Own) };
 

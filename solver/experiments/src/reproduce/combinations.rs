@@ -1,11 +1,11 @@
-//! Every way to see bodies with every pressure of theirs, in one small tank: where layers rest, how dense the fluid is at the
-//! wall, how calm, what got into the wall on the way, and the largest stable step.
+//! Every boundary method with every boundary pressure, in one small tank: where layers rest, how dense the fluid is
+//! at the wall, how calm, what got into the wall on the way, and the largest stable step.
 
 use super::methods::{Method, PRESSURES, Scenery, fixed_step, largest_step, median, pressure_name, survives};
 use crate::validation::flow::{GRAVITY, lattice};
 use crate::validation::{Experiment, Outcome, Row, Run, chart};
 use volmap_figures::picture::colours::DISTINCT;
-use volmap_figures::picture::{Chart, Data, Series};
+use volmap_figures::picture::{Chart, Data, Quantity, Series};
 use volmap_fluid::Error;
 use volmap_fluid::bodies::Motion;
 use volmap_fluid::observe::{percentile, rms_speed};
@@ -14,7 +14,7 @@ use volmap_fluid::shapes::{Shape, cuboid};
 use volmap_fluid::simulation::Simulation;
 use volmap_runtime::{ClosureKind, DVec3};
 
-/// It.
+/// Its entry in [`EXPERIMENTS`](super::EXPERIMENTS).
 pub const EXPERIMENT: Experiment = Experiment {
     name: "combinations",
     title: "All boundary methods with all boundary pressures",
@@ -26,35 +26,35 @@ pub const EXPERIMENT: Experiment = Experiment {
 const RADIUS: f64 = 0.05;
 /// Half of the tank's width.
 const HALF_WIDTH: f64 = 0.5;
-/// What is at rest is averaged over so much time, seconds.
+/// Time over which the fluid at rest is averaged, seconds.
 const WINDOW: f64 = 1.0;
-/// The fluid begins up to here, metres.
+/// Height of the fluid at the start, metres.
 const TOP: f64 = 0.9;
-/// The first step that is tried, seconds.
+/// First length of a step that is tried, seconds.
 const FIRST_STEP: f64 = 0.008;
 
-/// What a run ends with.
+/// Results of a run.
 #[derive(Clone, Debug, Default)]
 struct Rest {
-    /// From floor and walls, rp.
+    /// Distances of the first layer from floor and walls, rp.
     layers: [f64; 2],
-    /// Top of the fluid over where it belongs.
+    /// Height of the fluid over the true one.
     height: f64,
     /// Mean of |D - 1| of the particles within r of floor and walls in the last second.
     density: f64,
-    /// The same of the others.
+    /// The same of the other particles.
     density_inside: f64,
-    /// m/s.
+    /// Rms speed, m/s.
     speed: f64,
-    /// Centres in the wall, over all particles and steps.
+    /// Part of centres in the wall, over all particles and steps.
     penetration: f64,
     lost: usize,
     /// Iterations of both solves a step, and median time of a step, in the last second.
     iterations: f64,
     time: f64,
-    /// When it stopped being a fluid.
+    /// Time at which the simulation failed.
     stopped: Option<f64>,
-    /// Seconds.
+    /// Largest stable step, seconds.
     largest_step: f64,
     /// Bytes of the map, and of contacts and boundary particles.
     memory: [usize; 2],
@@ -70,24 +70,25 @@ fn run(run: &Run) -> Result<Outcome, Error> {
             (run.progress)(&format!("combinations: {}", method.name()));
             let rest = rest(run, method, &tank)?;
             outcome.rows.extend(rows(&method, &rest));
-            all.push((method, rest));
+            all.push(rest);
         }
     }
-    let layers = bars(["Distance of the first layer from the floor", "rp"], &all, |rest| rest.layers[0]);
+    let floor = Quantity::new("Distance of the first layer from the floor", "rp");
+    let layers = bars(&floor, &all, |rest| rest.layers[0]);
     outcome.chart("combinations-layers.png", layers);
-    let steps = bars(["Largest stable step", "ms"], &all, |rest| 1e3 * rest.largest_step);
+    let steps = bars(&Quantity::new("Largest stable step", "ms"), &all, |rest| 1e3 * rest.largest_step);
     outcome.chart("combinations-steps.png", steps);
     outcome.notes.push(NOTE.into());
     Ok(outcome)
 }
 
-const NOTE: &str = "rp = 5 cm, r = 4 rp, nu = 0.01 m^2/s, steps of 2.8 ms at most; the fluid falls by one spacing, away from the \
-                    walls. The largest stable step is that of the same fall in equal steps, 2 s, tried in ratios of 2^(1/4): nothing \
-                    lost or deeper than rp in the wall at the end, less than 1 % of centres in the wall, no speed beyond twice that of a \
-                    free fall from the top. The solver drives densities to its tolerance wherever they are too large: errors of \
-                    density tell of gaps. Times are medians on a machine that does other things as well. \
-                    Numbers in the charts: closures 1 mirror, 2 lattice, 3 wedge, 4 calibrated, 5 offset, 6 paper; 7 density map, 8 tube \
-                    map, 9 particles.";
+const NOTE: &str = "\
+    rp = 5 cm, r = 4 rp, nu = 0.01 m^2/s, steps of at most 2.8 ms. The fluid falls by one spacing, away from the \
+    walls. The largest stable step is that of the same fall in equal steps for 2 s, tried in ratios of 2^(1/4): at \
+    the end nothing is lost or deeper than rp in the wall, less than 1 % of centres were in the wall, and no speed \
+    was more than twice that of a free fall from the top. The solver corrects only densities that are too large, so \
+    errors of the density indicate gaps. Times are medians on a machine with other load. Numbers in the charts: \
+    closures 1 mirror, 2 lattice, 3 wedge, 4 calibrated, 5 offset, 6 paper; 7 density map, 8 tube map, 9 particles.";
 
 fn views(run: &Run) -> Vec<Method> {
     let own = PRESSURES[0];
@@ -109,7 +110,7 @@ fn tank_mesh() -> volmap_formats::mesh::TriangleMesh {
     cuboid(DVec3::new(-HALF_WIDTH, 0.0, -HALF_WIDTH), DVec3::new(HALF_WIDTH, 1.2, HALF_WIDTH))
 }
 
-/// The scene without fluid.
+/// The scene without the fluid.
 fn scenery(tank: &Shape) -> Scenery {
     let mut solver = SolverSettings::default();
     solver.time_step.max *= (RADIUS / 0.025_f64).sqrt();
@@ -182,14 +183,14 @@ fn place(rest: &mut Rest, simulation: &Simulation) {
     rest.height = (percentile(&heights, 0.99) + RADIUS) / level;
 }
 
-/// Median distance of those up to rp farther than the nearest tenth's.
+/// Median distance of the particles up to rp farther than the 5th percentile.
 fn first_layer(distances: &[f64]) -> f64 {
     let limit = percentile(distances, 0.05) + RADIUS;
     let near: Vec<f64> = distances.iter().copied().filter(|&distance| distance < limit).collect();
     median(&near)
 }
 
-/// Whether the same fall, in equal steps, ends as a fluid in the tank.
+/// Whether the same fall is stable in equal steps: see the notes.
 fn is_stable(method: Method, scenery: &Scenery, dt: f64) -> Result<bool, Error> {
     let solver = fixed_step(scenery.solver.clone(), dt);
     let mut simulation = method.simulation(&Scenery { solver, ..scenery.clone() })?;
@@ -231,8 +232,8 @@ fn rows(method: &Method, rest: &Rest) -> Vec<Row> {
     rows
 }
 
-/// A group of bars for each view, a colour for each pressure.
-fn bars([title, unit]: [&str; 2], all: &[(Method, Rest)], value: impl Fn(&Rest) -> f64) -> Chart {
+/// A group of bars for each boundary method, a colour for each pressure.
+fn bars(quantity: &Quantity, all: &[Rest], value: impl Fn(&Rest) -> f64) -> Chart {
     let mut series: Vec<Series> = PRESSURES
         .iter()
         .zip(DISTINCT)
@@ -242,12 +243,13 @@ fn bars([title, unit]: [&str; 2], all: &[(Method, Rest)], value: impl Fn(&Rest) 
             data: Data::Bars(Vec::new()),
         })
         .collect();
-    for (n, (_, rest)) in all.iter().enumerate() {
+    for (n, rest) in all.iter().enumerate() {
         let (group, place) = (n / PRESSURES.len(), n % PRESSURES.len());
         let left = group as f64 + 0.6 + 0.2 * place as f64;
         if let Data::Bars(bars) = &mut series[place].data {
             bars.push([left, left + 0.18, value(rest)]);
         }
     }
-    chart(title, ["Method, by the numbers of the note", ""], [title, unit], series)
+    let Quantity { name, unit } = quantity;
+    chart(name, ["Method, by the numbers of the note", ""], [name, unit], series)
 }

@@ -1,9 +1,10 @@
-//! Bender et al. 2020, Fig. 11: a dam break in two dimensions, density maps and volume maps of 10 x 10 and 60 x 60 cells.
+//! Bender et al. 2020, Fig. 11: a dam break in two dimensions, density maps and volume maps of 10 x 10 and 60 x 60
+//! cells.
 //!
 //! The paper shows pictures and gives no sizes. Ours: a tank of 1 m, a column of 0.4 m by 0.5 m of particles of rp = 1 cm
-//! (500), support radius 4 rp, so that cells are 2.9 and 0.48 support radii. Its "visual artifacts" are measured as what makes
-//! them: along a flat floor the wall's push should neither change nor point sideways, and the layer next to the floor should
-//! stay one.
+//! (500), support radius 4 rp, so that cells are 2.9 and 0.48 support radii. Its "visual artifacts" are measured by their
+//! cause: along a flat floor the wall's force should neither change nor point sideways, and the layer next to the floor
+//! should stay a layer.
 
 use crate::validation::{Experiment, Outcome, Row, Run, chart, curve};
 use std::f64::consts::TAU;
@@ -25,11 +26,11 @@ use volmap_fluid::simulation::{Setup, Simulation};
 use volmap_formats::mesh::Outline;
 use volmap_runtime::{ClosureKind, DVec3, Dimension, VolumeMap};
 
-/// It.
+/// Its entry in [`EXPERIMENTS`](super::EXPERIMENTS).
 pub const EXPERIMENT: Experiment = Experiment {
     name: "fig11",
     title: "Dam break in two dimensions",
-    about: "Bender et al. 2020, Fig. 11: density maps and volume maps of 10 x 10 and 60 x 60 cells",
+    about: "A dam break in two dimensions: density maps and volume maps of 10 x 10 and 60 x 60 cells",
     run,
 };
 
@@ -39,9 +40,10 @@ const SUPPORT: f64 = 4.0 * RADIUS;
 const TANK: f64 = 1.0;
 const COLUMN: [u32; 2] = [20, 25];
 const GRAVITY: f64 = 9.81;
-/// From the walls to the first particles, metres: where the papers' methods let them rest. Nearer, some are thrown off at once.
+/// Distance of the first particles from the walls, metres: where they rest with the papers' methods. Nearer ones are
+/// thrown off at once.
 const GAP: f64 = 2.5 * RADIUS;
-/// From the floor to the end of its first layer, metres.
+/// Upper end of the first layer on the floor, metres.
 const LAYER: f64 = 3.6 * RADIUS;
 
 /// A boundary of the figure.
@@ -55,7 +57,8 @@ struct Case {
     cells: u32,
 }
 
-/// The figure's three and the fourth that it leaves out, by the authors' program; then by the paper's equations.
+/// The figure's three boundaries and the fourth that it leaves out, by the authors' program; then by the paper's
+/// equations.
 fn cases() -> Vec<Case> {
     let density = |cells, name, extension| Case {
         name,
@@ -98,7 +101,7 @@ fn run(run: &Run) -> Result<Outcome, Error> {
             let points = along.iter().map(|&[x, sideways, _]| [x, sideways]).collect();
             slopes.push(curve(case.name, DISTINCT[number], points));
         }
-        let mut watch = Watch::default();
+        let mut watch = Observed::default();
         let mut simulation = dam(case, &tank)?;
         until(&mut simulation, PICTURE, &mut |simulation, report| watch.look(simulation, report.inside))?;
         if number < 4 {
@@ -126,16 +129,16 @@ fn run(run: &Run) -> Result<Outcome, Error> {
 /// When the front is half across the tank, seconds.
 const PICTURE: f64 = 0.25;
 
-const NOTE: &str = "Scaled: a tank of 1 m, 500 particles of rp = 1 cm; the paper names no sizes. The column begins 2.5 rp from the \
-                    walls. The wall's push at 2 rp from the \
-                    floor is taken from the maps alone, without fluid; the layer's figures are of all steps and of the particles \
-                    within 3.6 rp of the floor and 0.1 m or more from the side walls. Boundaries have the mirrored pressure of Eq. 15, \
-                    as in the paper; gamma of the density maps ends at r / 5, as in the authors' program, or at r, as in Eq. 11. \
-                    Volume maps \
-                    have the sample point of the authors' program (`offset`; its kink is its own, at 1.5 rp, the same at 60 x 60 cells), \
-                    or that of Eq. 14: whose wall is 18 times and more too dense, and which at 10 x 10 cells throws the column off, as \
-                    the distance in corners is up to a quarter of a cell too small. The figure's statement holds for the maps: the \
-                    push of a coarse density map jumps between cells, as that of volume maps doesn't. In pressures it is seen too, less.";
+const NOTE: &str = "\
+    Scaled: a tank of 1 m and 500 particles of rp = 1 cm; the paper names no sizes. The column begins 2.5 rp from \
+    the walls. The wall's force at 2 rp from the floor comes from the maps alone, without fluid. The figures of the \
+    layer are of all steps and of the particles within 3.6 rp of the floor and at least 0.1 m from the side walls. \
+    Boundaries have the mirrored pressure of Eq. 15, as in the paper. Gamma of the density maps ends at r / 5, as in \
+    the authors' program, or at r, as in Eq. 11. Volume maps have the sample point of the authors' program \
+    (`offset`, which has a kink at 1.5 rp, also at 60 x 60 cells), or that of Eq. 14. With Eq. 14 the wall is at \
+    least 18 times too dense, and at 10 x 10 cells it throws the column off, since the distance in corners is up to \
+    a quarter of a cell too small. The figure's statement holds for the maps: the force of a coarse density map \
+    jumps between cells, and that of volume maps does not. In pressures the effect is smaller.";
 
 /// A square hollow in two dimensions, and a mesh of it for the bodies' own use.
 fn tank(case: Case) -> Result<Shape, Error> {
@@ -191,8 +194,8 @@ fn dam(case: Case, tank: &Shape) -> Result<Simulation, Error> {
     })
 }
 
-/// At places x along the floor, 2 rp above: the gradient of the wall's density sideways and downwards, the first in parts of
-/// the mean of the second, which is in parts of its mean.
+/// At places x along the floor, 2 rp above: the gradient of the wall's density sideways and downwards, the first in
+/// parts of the mean of the second, which is in parts of its mean.
 fn along_floor(case: Case, map: &VolumeMap) -> Result<Vec<[f64; 3]>, Error> {
     let push = push(case, map)?;
     let slope = |x: f64| {
@@ -207,7 +210,7 @@ fn along_floor(case: Case, map: &VolumeMap) -> Result<Vec<[f64; 3]>, Error> {
 
 /// The gradient of the wall's density at a point, 1/m.
 fn push(case: Case, map: &VolumeMap) -> Result<impl Fn(DVec3) -> Option<DVec3>, Error> {
-    // Of volume maps alone: the others have no use for one.
+    // Only volume maps take a closure.
     let closure = (case.boundary == BoundaryMethod::VolumeMap)
         .then(|| map.closure(case.closure, world(case).kernel_of_size(), RADIUS))
         .transpose()
@@ -218,8 +221,8 @@ fn push(case: Case, map: &VolumeMap) -> Result<impl Fn(DVec3) -> Option<DVec3>, 
     })
 }
 
-/// On the way to the floor from 4 rp to rp / 2, the largest change of the push's slope from step to step, in parts of the push
-/// at 2 rp: a jump of the push, where there is one.
+/// On the way to the floor from 4 rp to rp / 2, the largest change of the push's slope from step to step, in parts of
+/// the push at 2 rp: a jump of the push, where there is one.
 fn kink(case: Case, map: &VolumeMap) -> Result<f64, Error> {
     let push = push(case, map)?;
     let down = |n: u32| {
@@ -250,9 +253,9 @@ fn push_rows(outcome: &mut Outcome, case: Case, along: &[[f64; 3]]) {
     rows.push(Row::new(case.name, "largest jump along it in rp / 10", "%", percent * largest));
 }
 
-/// What is seen of the layer next to the floor.
+/// Observations of the layer next to the floor.
 #[derive(Default)]
-struct Watch {
+struct Observed {
     /// Differences of pressure between neighbours, over rho g times the column's height.
     jumps: Vec<f64>,
     /// Speeds across the floor, m/s.
@@ -260,19 +263,20 @@ struct Watch {
     inside: usize,
 }
 
-impl Watch {
+impl Observed {
     fn look(&mut self, simulation: &Simulation, inside: usize) {
         let layer = layer(simulation);
         let unit = 1000.0 * GRAVITY * 2.0 * RADIUS * f64::from(COLUMN[1]);
-        let neighbours = layer.windows(2).filter(|pair| pair[1].0.x - pair[0].0.x < 3.0 * RADIUS);
-        self.jumps.extend(neighbours.map(|pair| (pair[1].1 - pair[0].1).abs() / unit));
-        self.across.extend(layer.iter().map(|(.., speed)| *speed));
+        let neighbours =
+            layer.windows(2).filter(|pair| pair[1].position.x - pair[0].position.x < 3.0 * RADIUS);
+        self.jumps.extend(neighbours.map(|pair| (pair[1].pressure - pair[0].pressure).abs() / unit));
+        self.across.extend(layer.iter().map(|particle| particle.speed));
         self.inside = self.inside.max(inside);
     }
 
     fn rows(&self, outcome: &mut Outcome, case: Case, end: &Simulation) {
         let rms = |all: &[f64]| (all.iter().map(|x| x * x).sum::<f64>() / all.len().max(1) as f64).sqrt();
-        let heights: Vec<f64> = layer(end).iter().map(|(x, ..)| x.y / RADIUS).collect();
+        let heights: Vec<f64> = layer(end).iter().map(|particle| particle.position.y / RADIUS).collect();
         let mean = heights.iter().sum::<f64>() / heights.len().max(1) as f64;
         let spread: Vec<f64> = heights.iter().map(|height| height - mean).collect();
         let rows = &mut outcome.rows;
@@ -287,16 +291,30 @@ impl Watch {
     }
 }
 
-/// Particles of the first layer by x: place, pressure (Pa), speed across the floor (m/s).
-fn layer(simulation: &Simulation) -> Vec<(DVec3, f64, f64)> {
+/// A particle of the first layer.
+struct LayerParticle {
+    /// Position, metres.
+    position: DVec3,
+    /// Pressure, Pa.
+    pressure: f64,
+    /// Speed across the floor, m/s.
+    speed: f64,
+}
+
+/// Particles of the first layer, ordered by x.
+fn layer(simulation: &Simulation) -> Vec<LayerParticle> {
     let particles = simulation.particles();
     let all = particles.positions.iter().zip(simulation.pressures()).zip(&particles.velocities);
     let within = |x: &DVec3| x.y < LAYER && (0.1 * TANK..0.9 * TANK).contains(&x.x);
     let mut layer: Vec<_> = all
         .filter(|((x, _), _)| within(x))
-        .map(|((&x, pressure), v)| (x, f64::from(pressure), f64::from(v[1].abs())))
+        .map(|((&position, pressure), v)| LayerParticle {
+            position,
+            pressure: f64::from(pressure),
+            speed: f64::from(v[1].abs()),
+        })
         .collect();
-    layer.sort_by(|a, b| a.0.x.total_cmp(&b.0.x));
+    layer.sort_by(|a, b| a.position.x.total_cmp(&b.position.x));
     layer
 }
 
@@ -323,7 +341,8 @@ fn picture(case: Case, simulation: &Simulation) -> Chart {
 mod tests {
     use super::*;
 
-    /// The figure's statement, by the maps alone: coarse density maps push sideways where volume maps don't, and finer ones less.
+    /// The figure's statement, by the maps alone: coarse density maps push sideways where volume maps don't, and finer
+    /// ones less.
     #[test]
     fn coarse_density_maps_push_sideways_and_volume_maps_do_not() {
         let sideways = |case: Case| {

@@ -1,5 +1,5 @@
-//! Pressure force on one particle near the unit cube by density maps and volume maps of few and of many cells: Bender et al.
-//! 2020, Fig. 10.
+//! Pressure force on one particle near the unit cube by density maps and volume maps of few and of many cells: Bender
+//! et al. 2020, Fig. 10.
 
 use super::methods::Method;
 use crate::validation::{Experiment, Outcome, Row, Run, chart, curve};
@@ -12,7 +12,7 @@ use volmap_fluid::settings::{BoundaryMethod, BoundaryPressure};
 use volmap_fluid::shapes::{baked_by, cuboid};
 use volmap_runtime::{ClosureKind, DVec3};
 
-/// It.
+/// Its entry in [`EXPERIMENTS`](super::EXPERIMENTS).
 pub const EXPERIMENT: Experiment = Experiment {
     name: "force",
     title: "Pressure force near a plane, Bender Fig. 10",
@@ -23,17 +23,24 @@ pub const EXPERIMENT: Experiment = Experiment {
 /// Particle radius rp and the support radius, metres.
 const RADIUS: f64 = 0.025;
 const SUPPORT: f64 = 4.0 * RADIUS;
-/// Cells across the map; none: as many as scenes have it baked with.
+/// Cells across the map; none: as many as scenes bake.
 const RESOLUTIONS: [Option<u32>; 4] = [Some(10), Some(20), Some(60), None];
-/// Places along a way.
+/// Intervals along a way.
 const SAMPLES: usize = 8000;
 
-/// A way: its name, beginning and end; all above the face y = 0, off the lattices' lines.
-const WAYS: [(&str, [f64; 3], [f64; 3]); 3] = [
-    ("to the face", [0.0137, 1.2 * SUPPORT, 0.0291], [0.0137, 0.0, 0.0291]),
-    ("along the face", [-0.35, RADIUS, 0.0291], [0.35, RADIUS, 0.0291]),
-    ("over the edge", [0.35, RADIUS, 0.0291], [0.5 + SUPPORT, RADIUS, 0.0291]),
+/// The ways, all above the face y = 0 and off the lattices' lines.
+const WAYS: [Way; 3] = [
+    Way { name: "to the face", begin: [0.0137, 1.2 * SUPPORT, 0.0291], end: [0.0137, 0.0, 0.0291] },
+    Way { name: "along the face", begin: [-0.35, RADIUS, 0.0291], end: [0.35, RADIUS, 0.0291] },
+    Way { name: "over the edge", begin: [0.35, RADIUS, 0.0291], end: [0.5 + SUPPORT, RADIUS, 0.0291] },
 ];
+
+/// A straight way of a particle, metres.
+struct Way {
+    name: &'static str,
+    begin: [f64; 3],
+    end: [f64; 3],
+}
 
 fn methods() -> [Method; 4] {
     let own = BoundaryPressure::Own;
@@ -53,10 +60,10 @@ fn run(run: &Run) -> Result<Outcome, Error> {
             let grid = cells.map_or("as scenes".into(), |cells| format!("{cells} cells"));
             (run.progress)(&format!("force: {}, {grid}", method.view()));
             let forces = forces(&method, cells)?;
-            for ((way, curves), (along, forces)) in WAYS.iter().zip(&mut curves).zip(forces) {
-                let case = format!("{}, {grid}: {}", method.view(), way.0);
+            for ((way, curves), Forces { places, forces }) in WAYS.iter().zip(&mut curves).zip(forces) {
+                let case = format!("{}, {grid}: {}", method.view(), way.name);
                 outcome.rows.extend(rows(&case, &forces));
-                let points = along.iter().zip(&forces).map(|(&x, force)| [x / RADIUS, force.y]);
+                let points = places.iter().zip(&forces).map(|(&x, force)| [x / RADIUS, force.y]);
                 curves.push(thinned(grid.clone(), DISTINCT[n], points.collect()));
             }
         }
@@ -74,34 +81,40 @@ fn run(run: &Run) -> Result<Outcome, Error> {
     Ok(outcome)
 }
 
-const NOTE: &str = "The unit cube with r = 0.1 m. A particle of given pressure feels -2 p / rho_0 times the gradient of rho_B / rho_0 \
-                    (Eq. 15 with the particle's pressure mirrored), so that gradient times r is what is shown. Cells are those of the \
-                    map's whole box: cube and 2 support radii of the map around it; 10 cells are 1.4 r wide, `mirror`'s, whose \
-                    maps have a quarter of the radius, 1.1 r; scenes take r / 4, and for `mirror` r / 8. A jump is what a step of 8,000 along the way changes more than both of its \
-                    neighbours; the exact force has none on any of the ways. The force of `paper` falls to 0 at the face by itself.";
+const NOTE: &str = "\
+    The unit cube with r = 0.1 m. The force on a particle of given pressure is -2 p / rho_0 times the gradient of \
+    rho_B / rho_0 (Eq. 15 with the particle's pressure mirrored), so that gradient times r is shown. Cells are those \
+    of the map's whole box: the cube and 2 support radii of the map around it. 10 cells are 1.4 r wide; those of \
+    `mirror`, whose maps have a quarter of the radius, 1.1 r. Scenes take r / 4, and r / 8 for `mirror`. A jump is \
+    the change in a step of 8,000 along the way beyond the changes in both neighbouring steps; the exact force has \
+    none on any of the ways. The force of `paper` falls to 0 at the face by itself.";
 
-/// Places along a way, and forces there.
-type Forces = (Vec<f64>, Vec<DVec3>);
+/// Forces along a way.
+struct Forces {
+    /// Places along the way, metres.
+    places: Vec<f64>,
+    forces: Vec<DVec3>,
+}
 
-/// Of each way.
+/// The forces along each of [`WAYS`].
 fn forces(method: &Method, cells: Option<u32>) -> Result<Vec<Forces>, Error> {
     let mut settings = method.baking(SUPPORT, false);
     settings.grid = cells.map_or(settings.grid, |cells| GridChoice::Resolution([cells; 3]));
     let cube = baked_by(cuboid(DVec3::new(-0.5, -1.0, -0.5), DVec3::new(0.5, 0.0, 0.5)), settings)?;
-    let on_way = |(_, begin, end): &(&str, [f64; 3], [f64; 3])| {
-        let (begin, end) = (DVec3::from(*begin), DVec3::from(*end));
+    let on_way = |way: &Way| {
+        let (begin, end) = (DVec3::from(way.begin), DVec3::from(way.end));
         let places: Vec<DVec3> = (0..=SAMPLES).map(|n| begin.lerp(end, n as f64 / SAMPLES as f64)).collect();
         let body = cube.body("cube", DVec3::ZERO, Motion::Static);
         let walls = method.walls(RADIUS, vec![body], &places)?;
         let axis = usize::from(begin.y == end.y);
         let along = places.iter().map(|x| if axis == 0 { x.y } else { x.x }).collect();
         let force = |gradient: [f32; 3]| -SUPPORT * DVec3::from_array(gradient.map(f64::from));
-        Ok((along, walls.iter().map(|wall| force(wall.gradient)).collect()))
+        Ok(Forces { places: along, forces: walls.iter().map(|wall| force(wall.gradient)).collect() })
     };
     WAYS.iter().map(on_way).collect()
 }
 
-/// What a chart needs of so many points.
+/// A curve of every fourth point.
 fn thinned(name: String, colour: [u8; 3], points: Vec<[f64; 2]>) -> Series {
     curve(name, colour, points.into_iter().step_by(4).collect())
 }

@@ -1,5 +1,5 @@
-//! Blocks slide on a plane with tangential friction: Bender et al. 2020, *Implicit Frictional Boundary Handling for SPH*,
-//! Fig. 14 (elastic cubes), its six coefficients.
+//! Blocks slide on a plane with tangential friction: Bender et al. 2020, *Implicit Frictional Boundary Handling for
+//! SPH*, Fig. 14 (elastic cubes), its six coefficients.
 
 use super::boundaries::VOLUME_MAP;
 use super::rigid::Rigid;
@@ -13,25 +13,25 @@ use volmap_fluid::simulation::Simulation;
 use volmap_fluid::viscosity::drag::Drag;
 use volmap_runtime::{DVec3, Kernel, KernelKind, Surface};
 
-/// It.
+/// Its entry in [`EXPERIMENTS`](super::EXPERIMENTS).
 pub const EXPERIMENT: Experiment = Experiment {
     name: "friction",
     title: "Tangential friction",
-    about: "Rigid blocks of particles slide at 5 m/s, with the paper's six coefficients: the way falls with the coefficient",
+    about: "Rigid blocks of particles slide at 5 m/s with the paper's six coefficients: how far they come",
     run,
 };
 
 const RP: f64 = 0.0125;
 const RADIUS: f64 = 4.0 * RP;
 const REST_DENSITY: f64 = 1000.0;
-/// Particles along each side of a block, and up. Higher blocks pitch: see the notes.
+/// Particles along each side of a block, and upwards. Higher blocks pitch: see the notes.
 const SIDE: u32 = 9;
 const LAYERS: u32 = 3;
-/// m/s.
+/// Speed at the start, m/s.
 const SPEED: f64 = 5.0;
 /// mu_B, kg/(m s): the paper's six, and none.
 const COEFFICIENTS: [f64; 7] = [0.0, 0.0125, 0.025, 0.05, 0.1, 0.2, 0.4];
-/// Put back by so much on the same plane, metres; half the plane's length and width.
+/// A block is put back by this on the same plane, metres; and half the plane's length and width.
 const PERIOD: f64 = 0.5;
 const HALF: f64 = 0.5;
 
@@ -58,21 +58,22 @@ fn run(run: &Run) -> Result<Outcome, Error> {
     Ok(outcome)
 }
 
-const NOTE: &str = "The paper's cubes are elastic, and it gives no figures but the coefficients and the speed; ours are rigid \
-                    blocks of 9 x 3 x 9 particles of rp = 12.5 mm, without the two seconds before the friction begins. Its friction is a \
-                    drag in proportion to the speed, whatever the weight: the closed form is v / lambda (1 - exp(-lambda t)), lambda the \
-                    rates of Eq. 19 for a half space at the heights where the layers lie. Cubes of 6^3 particles pitch from 0.2 kg/(m s) on: \
-                    their front edge sinks, and the form for level ones is none for them.";
+const NOTE: &str = "\
+    The paper's cubes are elastic, and it gives no figures but the coefficients and the speed. Ours are rigid blocks \
+    of 9 x 3 x 9 particles of rp = 12.5 mm, without the two seconds before the friction begins. Friction here is a \
+    drag proportional to the speed, whatever the weight. The closed form is v / lambda (1 - exp(-lambda t)), with \
+    lambda the rate of Eq. 19 for a half space at the heights of the layers. Cubes of 6^3 particles pitch from 0.2 \
+    kg/(m s) on: their front edge sinks, and the closed form for level blocks doesn't hold.";
 
 struct Slide {
     speeds: Vec<[f64; 2]>,
     way: f64,
-    /// What the closed form says, metres.
+    /// The way by the closed form, metres.
     exact: f64,
-    /// Of the lowest layer at the end, metres.
+    /// Height of the lowest layer at the end, metres.
     height: f64,
     aside: f64,
-    /// Largest angle between its axis and the upright, degrees.
+    /// Largest angle between its axis and the vertical, degrees.
     tilt: f64,
 }
 

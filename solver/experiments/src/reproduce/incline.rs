@@ -1,5 +1,5 @@
-//! Single particles slide down a plane: Bender et al. 2020, *Implicit Frictional Boundary Handling for SPH*, Fig. 7. A plane
-//! made of particles is bumpy and throws them about, a map is smooth.
+//! Single particles slide down a plane: Bender et al. 2020, *Implicit Frictional Boundary Handling for SPH*, Fig. 7. A
+//! plane made of particles is bumpy and throws them about, a map is smooth.
 
 use super::boundaries::{BLUE_NOISE, DENSITY_MAP, Named, PAPER_MAP, PARTICLES, VOLUME_MAP};
 use crate::validation::flow::GRAVITY;
@@ -12,17 +12,17 @@ use volmap_fluid::shapes::cuboid;
 use volmap_fluid::simulation::Simulation;
 use volmap_runtime::DVec3;
 
-/// It.
+/// Its entry in [`EXPERIMENTS`](super::EXPERIMENTS).
 pub const EXPERIMENT: Experiment = Experiment {
     name: "incline",
     title: "Inclined plane",
-    about: "A grid of single particles dropped on a plane: how far they are thrown to the sides, on particles and on maps",
+    about: "Single particles dropped on a slope: how far they are thrown aside, on boundary particles and on maps",
     run,
 };
 
-/// Of the plane.
+/// Angle of the plane.
 const DEGREES: f64 = 30.0;
-/// How far a particle slides that nothing holds, metres.
+/// How far a particle slides without friction, metres.
 const WAY: f64 = 3.0;
 
 fn run(run: &Run) -> Result<Outcome, Error> {
@@ -52,13 +52,14 @@ fn run(run: &Run) -> Result<Outcome, Error> {
     Ok(outcome)
 }
 
-const NOTE: &str = "64 particles of rp = 25 mm, 4.3 rp apart, so that each is alone, dropped from 1.2 rp; 30 degrees, 3 m. The paper \
-                    shows pictures and has no figures. It names no size of its grid.";
+const NOTE: &str = "\
+    64 particles of rp = 25 mm, 4.3 rp apart, so that each is alone, dropped from 1.2 rp; 30 degrees, 3 m. The paper \
+    shows pictures and gives no figures; it doesn't name the size of its grid.";
 
-/// All particles at all steps, in the plane's axes: up the slope from the start, height, to the side.
+/// The particles' ways at all steps, in the plane's axes: up the slope from the start, height, to the side.
 struct Slide {
     steps: Vec<Vec<DVec3>>,
-    /// How far they should have come at the end, metres.
+    /// How far they should have come, metres.
     ideal: f64,
 }
 
@@ -85,7 +86,7 @@ fn slide(method: &Named) -> Result<Slide, Error> {
 }
 
 impl Slide {
-    /// One line of points for each particle, with gaps between them.
+    /// A curve for each particle, with gaps between them.
     fn path(&self, pick: fn(&DVec3) -> [f64; 2]) -> Vec<[f64; 2]> {
         let count = self.steps.first().map_or(0, Vec::len);
         let one = |n: usize| self.steps.iter().step_by(4).map(move |ways| pick(&ways[n]));

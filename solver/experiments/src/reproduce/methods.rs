@@ -15,16 +15,16 @@ use volmap_fluid::simulation::{Setup, Simulation, StepReport};
 use volmap_formats::mesh::TriangleMesh;
 use volmap_runtime::{ClosureKind, DVec3};
 
-/// How the fluid sees bodies, and what pressure they have.
+/// A boundary method: how the fluid sees bodies, and their pressure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Method {
     /// How bodies are seen.
     pub boundary: BoundaryMethod,
-    /// Of boundary particles.
+    /// How boundary particles lie.
     pub sampling: BoundarySampling,
-    /// Of volume maps.
+    /// Closure of volume maps.
     pub closure: ClosureKind,
-    /// The boundary's pressure.
+    /// Pressure at the boundary.
     pub pressure: BoundaryPressure,
 }
 
@@ -32,17 +32,18 @@ pub struct Method {
 pub const PRESSURES: [BoundaryPressure; 4] =
     [BoundaryPressure::Own, BoundaryPressure::Mirror, BoundaryPressure::Sph, BoundaryPressure::Mls];
 
-/// Fluid begins so many rp from walls, where no method throws it off: it rests at 2 rp from boundary particles.
+/// Distance from walls at the start, in rp, with which no method throws fluid off: on boundary particles it rests at 2
+/// rp.
 pub const CLEARANCE: f64 = 1.9;
 
-/// What a simulation consists of, but for the method.
+/// A simulation without the boundary method.
 #[derive(Clone, Debug, Default)]
 pub struct Scenery {
     /// Particle radius rp, metres; the support radius is 4 rp.
     pub radius: f64,
-    /// Where the fluid begins, at rest.
+    /// Positions of the fluid at rest, metres.
     pub places: Vec<DVec3>,
-    /// What it touches.
+    /// The bodies.
     pub bodies: Vec<BodyDescription>,
     /// The fluid.
     pub fluid: FluidSettings,
@@ -56,7 +57,7 @@ impl Method {
         Method { closure, ..Method::of(BoundaryMethod::VolumeMap, pressure) }
     }
 
-    /// Any other.
+    /// Another boundary method.
     pub const fn of(boundary: BoundaryMethod, pressure: BoundaryPressure) -> Method {
         Method { boundary, sampling: BoundarySampling::Even, closure: ClosureKind::Mirror, pressure }
     }
@@ -80,7 +81,7 @@ impl Method {
         }
     }
 
-    /// All of it in words.
+    /// The method in words.
     pub fn name(&self) -> String {
         format!("{}, {}", self.view(), pressure_name(self.pressure))
     }
@@ -97,7 +98,7 @@ impl Method {
         }
     }
 
-    /// What the baker is told for a body, as scenes do.
+    /// Settings with which scenes bake a body for the method.
     pub fn baking(&self, support_radius: f64, container: bool) -> Settings {
         let closure = self.world(0.25 * support_radius).map_closure();
         let density = DensitySettings { extension: density_map::EXTENSION, ..DensitySettings::default() };
@@ -118,7 +119,7 @@ impl Method {
         baked_by(mesh, self.baking(4.0 * radius, container))
     }
 
-    /// What particles at these places see of bodies, all lengths in metres.
+    /// What particles at these positions see of bodies; all lengths in metres.
     ///
     /// # Errors
     /// As [`Boundary::new`].
@@ -135,7 +136,7 @@ impl Method {
         Ok(boundary.of_particle)
     }
 
-    /// What a simulation by this method begins with, but for the particles; their radius in metres.
+    /// The setup of a simulation by this method, without particles; their radius in metres.
     ///
     /// # Errors
     /// As [`Bodies::new`].
@@ -188,10 +189,11 @@ pub fn fixed_step(solver: SolverSettings, dt: f64) -> SolverSettings {
     solver
 }
 
-/// Simulates until a time (seconds), shows every step to `look`, and returns when it stopped being a fluid, if it did.
+/// Simulates until a time (seconds) and shows every step to `look`. Returns the time at which the simulation failed, if
+/// it did.
 ///
 /// # Errors
-/// Others of [`Simulation::step`].
+/// Those of [`Simulation::step`] that are no failures of the simulation.
 pub fn survives(
     simulation: &mut Simulation,
     time: f64,
@@ -207,7 +209,7 @@ pub fn survives(
     Ok(None)
 }
 
-/// The last of increasing steps up to which all are stable; 0 if the first isn't.
+/// The largest of increasing lengths of steps up to which all are stable; 0 if the first isn't.
 ///
 /// # Errors
 /// Those of `is_stable`.
@@ -225,7 +227,7 @@ pub fn largest_step(
     Ok(largest)
 }
 
-/// The value in the middle; NaN of none.
+/// The median; NaN of no values.
 pub fn median(values: &[f64]) -> f64 {
     volmap_fluid::observe::percentile(values, 0.5)
 }

@@ -1,9 +1,9 @@
-//! Prisms: a cylinder and a washing drum, whose cross sections are seen whole from the axis.
+//! Prisms with cross sections that are star-shaped around the axis: a cylinder and a washing drum.
 
 use std::f64::consts::TAU;
 use volmap_formats::mesh::TriangleMesh;
 
-/// A prism around the z axis over a cross section, counter-clockwise, all of which is seen from the axis.
+/// A prism along the z axis over a counter-clockwise cross section that is star-shaped around it.
 pub fn prism(section: &[[f64; 2]], half_length: f64) -> TriangleMesh {
     let count = section.len() as u32;
     let level = |z: f64| section.iter().map(move |&[x, y]| [x, y, z]);
@@ -26,7 +26,7 @@ pub fn circle(radius: f64, corners: u32) -> Vec<[f64; 2]> {
     (0..corners).map(at).collect()
 }
 
-/// The cross section of a drum's hollow: a circle with paddles that stand in from it, their sides along radii.
+/// The cross section of a drum's hollow: a circle with paddles that point inwards, their sides along radii.
 pub fn drum(radius: f64, paddles: u32, height: f64, width: f64) -> Vec<[f64; 2]> {
     let (sector, half) = (TAU / f64::from(paddles), 0.5 * width / radius);
     let at = |radius: f64, angle: f64| [radius * angle.cos(), radius * angle.sin()];

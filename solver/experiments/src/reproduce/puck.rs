@@ -1,6 +1,6 @@
 //! A puck slides and spins on a plane without friction: in place of the elastic cubes of Bender et al. 2020, *Implicit
-//! Frictional Boundary Handling for SPH*, Figs. 8 and 9. A plane made of particles is bumpy: it brakes, turns and shifts the
-//! puck; a map must not.
+//! Frictional Boundary Handling for SPH*, Figs. 8 and 9. A plane made of particles is bumpy: it brakes, turns and
+//! shifts the puck; a map must not.
 
 use super::boundaries::{BLUE_NOISE, DENSITY_MAP, Named, PAPER_MAP, PARTICLES, VOLUME_MAP};
 use super::rigid::Rigid;
@@ -16,28 +16,29 @@ use volmap_fluid::shapes::{Shape, cuboid};
 use volmap_fluid::simulation::Simulation;
 use volmap_runtime::{DQuat, DVec3};
 
-/// It.
+/// Its entry in [`EXPERIMENTS`](super::EXPERIMENTS).
 pub const EXPERIMENT: Experiment = Experiment {
     name: "puck",
     title: "Puck without friction",
-    about: "A rigid puck of particles spins on a plane for 100 s, and slides down a slope: loss of spin and speed, drift",
+    about: "A rigid puck of particles spins on a plane and slides down a slope: loss of spin and speed, drift",
     run,
 };
 
 const RP: f64 = 0.025;
-/// Radius of the puck, metres: nine particles across; and its layers.
+/// Radius of the puck, metres (nine particles across), and its number of layers.
 const PUCK: f64 = 0.225;
 const LAYERS: u32 = 4;
 /// Angular velocity at the start, rad/s.
 const SPIN: f64 = 5.1;
-/// Of the slope.
+/// Angle of the slope.
 const DEGREES: f64 = 20.0;
-/// The puck is put back by so much where it leaves the middle of the plane, metres; and half the plane's width.
+/// A puck that leaves the middle of the plane is put back by this, metres; and half the plane's width.
 const PERIOD: f64 = 1.0;
 const HALF: f64 = 1.0;
 /// Viscosity of the puck as a fluid, m^2/s.
 const THICK: f64 = 50.0;
-/// Height of the lowest layer at first, rp: on the paper's map it rests at more than 2. It comes to rest in so many seconds.
+/// Height of the lowest layer at the start, rp (on the paper's map it rests at more than 2), and the time in which the
+/// puck comes to rest, seconds.
 const START: f64 = 3.5;
 const REST: f64 = 1.0;
 
@@ -74,20 +75,21 @@ fn run(run: &Run) -> Result<Outcome, Error> {
     Ok(outcome)
 }
 
-const NOTE: &str = "The paper's cubes are elastic; the puck is rigid: of all that a step does to its particles it keeps momentum and \
-                    angular momentum, as an elastic body would, and never deforms. Four layers of nine particles across, rp = 25 mm, \
-                    which came to rest for 1 s before. The plane is 2 m wide: a puck that leaves its middle is put back by 1 m, on the \
-                    same plane. As a fluid of 50 m^2/s it sinks by g dt in a second, whatever the viscosity: pressures act for a step \
-                    before viscosity sees what they do. So it turns for 2 s only.";
+const NOTE: &str = "\
+    The paper's cubes are elastic; the puck is rigid. Of what a step does to its particles it keeps momentum and \
+    angular momentum, as an elastic body would, and it never deforms. It has four layers, nine particles across, of \
+    rp = 25 mm, which came to rest for 1 s before. The plane is 2 m wide: a puck that leaves its middle is put back \
+    by 1 m, on the same plane. As a fluid of 50 m^2/s it sinks by g dt per second, whatever the viscosity: pressures \
+    act for a step before the viscous solve sees their effect. So it turns for 2 s only.";
 
-/// The puck at a time, in seconds, metres, m/s and rad/s.
+/// State of the puck at a time; units are seconds, metres, m/s and rad/s.
 #[derive(Clone, Copy)]
 struct At {
     time: f64,
     place: DVec3,
     speed: f64,
     spin: f64,
-    /// Of its axis from the upright, degrees.
+    /// Angle between its axis and the vertical, degrees.
     tilt: f64,
 }
 
@@ -99,14 +101,14 @@ struct Track {
     inside: usize,
 }
 
-/// Without other forces than gravity.
+/// Spins on the level plane, with no force but gravity.
 fn spin(method: &Named, plane: &Shape, end: f64) -> Result<Track, Error> {
     let (mut rigid, mut simulation) = puck(method, plane, DVec3::NEG_Y * GRAVITY)?;
     rigid.angular_velocity = DVec3::Y * SPIN;
     track(&mut rigid, &mut simulation, end)
 }
 
-/// Down a slope: the plane is level, gravity is not.
+/// Slides down a slope. The plane is level and gravity is inclined.
 fn slide(method: &Named, plane: &Shape, end: f64) -> Result<Track, Error> {
     let tilted = DQuat::from_rotation_z(DEGREES.to_radians()) * DVec3::NEG_Y;
     let (mut rigid, mut simulation) = puck(method, plane, GRAVITY * tilted)?;
@@ -115,7 +117,7 @@ fn slide(method: &Named, plane: &Shape, end: f64) -> Result<Track, Error> {
     track(&mut rigid, &mut simulation, end)
 }
 
-/// The puck as a fluid so thick that it hardly sinks, free in all else: angular momentum, and what is between its particles.
+/// The puck as a fluid so thick that it hardly sinks.
 fn fluid_rows(outcome: &mut Outcome, method: &Named, plane: &Shape, end: f64) -> Result<(), Error> {
     let (mut rigid, _) = puck(method, plane, DVec3::NEG_Y * GRAVITY)?;
     rigid.angular_velocity = DVec3::Y * SPIN;
@@ -145,7 +147,7 @@ fn fluid_rows(outcome: &mut Outcome, method: &Named, plane: &Shape, end: f64) ->
     Ok(())
 }
 
-/// The puck's particles, higher over y = 0 than any method holds them.
+/// The puck's particles, higher above y = 0 than they rest with any method.
 fn places() -> Vec<DVec3> {
     let side = (PUCK / RP) as i32;
     let across = |n: i32| 2.0 * RP * f64::from(n - side / 2);
@@ -155,7 +157,7 @@ fn places() -> Vec<DVec3> {
     (0..LAYERS).flat_map(|y| layer.iter().map(move |&x| x + at(y))).collect()
 }
 
-/// A puck at rest on a plane. What gravity has along the plane is taken away until then.
+/// A puck at rest on a plane. Until it rests, gravity acts across the plane only.
 fn puck(method: &Named, plane: &Shape, gravity: DVec3) -> Result<(Rigid, Simulation), Error> {
     let mut rigid = Rigid::new(&places(), DVec3::ZERO, DVec3::ZERO);
     let mut setup = method.setup(RP, vec![plane.body("plane", DVec3::ZERO, Motion::Static)])?;
@@ -165,7 +167,7 @@ fn puck(method: &Named, plane: &Shape, gravity: DVec3) -> Result<(Rigid, Simulat
     let mut simulation = Simulation::new(setup)?;
     while simulation.time() < REST {
         rigid.step(&mut simulation)?;
-        // Only up and down, and slowly.
+        // It may move only up and down, and slowly.
         rigid.velocity = DVec3::Y * 0.9 * rigid.velocity.y;
         rigid.angular_velocity = DVec3::ZERO;
         rigid.centre = DVec3::Y * rigid.centre.y;
@@ -201,7 +203,7 @@ fn track(rigid: &mut Rigid, simulation: &mut Simulation, end: f64) -> Result<Tra
 }
 
 impl Track {
-    /// Some hundred points.
+    /// Thins a curve to some hundred points.
     fn points(&self, pick: impl Fn(&At) -> [f64; 2]) -> Vec<[f64; 2]> {
         self.all.iter().step_by(self.all.len() / 500 + 1).map(pick).collect()
     }

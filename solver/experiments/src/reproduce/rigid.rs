@@ -1,35 +1,35 @@
 //! Particles that move as one rigid body, in place of the elastic solids of Bender et al. 2020 (Figs. 8, 9 and 14).
 //!
-//! The solver does its step as for a fluid. Of the velocities that come of it the body keeps the momentum and the angular
-//! momentum, which pressures among particles don't change: what boundaries do to each particle adds up. Then all particles are
-//! put where the body is.
+//! The solver does its step as for a fluid. The body takes over the momentum and the angular momentum of the resulting
+//! velocities, which pressures among particles don't change; so the forces of the boundaries on the particles add up.
+//! Then all particles are moved with the body.
 
 use glam::DMat3;
 use volmap_fluid::Error;
 use volmap_fluid::simulation::{Simulation, StepReport};
 use volmap_runtime::{DQuat, DVec3};
 
-/// Iterations for the middle of a step; each gains a factor of the angle of a step.
+/// Iterations of the implicit midpoint rule; each reduces the error by the angle of a step.
 const ITERATIONS: usize = 4;
 
-/// The body: its mass is that of its particles.
+/// A rigid body. Its mass is that of its particles.
 pub struct Rigid {
-    /// Of each particle from the centre, in the body's axes, by the particles' names.
+    /// Offset of each particle from the centre, in the body's axes, by the particles' ids.
     offsets: Vec<DVec3>,
     /// Inertia over a particle's mass, in the body's axes, m^2.
     inertia: DMat3,
     /// Centre of mass, metres.
     pub centre: DVec3,
-    /// From the body's axes to the world's.
+    /// Rotation from the body's axes to the world's.
     pub rotation: DQuat,
     /// Velocity of the centre, m/s.
     pub velocity: DVec3,
-    /// rad/s.
+    /// Angular velocity, rad/s.
     pub angular_velocity: DVec3,
 }
 
 impl Rigid {
-    /// Of particles in these places.
+    /// A body at rest of particles at these positions, metres.
     pub fn new(places: &[DVec3], velocity: DVec3, angular_velocity: DVec3) -> Rigid {
         let centre = places.iter().sum::<DVec3>() / places.len() as f64;
         let offsets: Vec<DVec3> = places.iter().map(|&x| x - centre).collect();
@@ -45,12 +45,12 @@ impl Rigid {
         }
     }
 
-    /// Places and velocities of the particles, by their names.
+    /// Positions and velocities of the particles, ordered by id.
     pub fn particles(&self) -> (Vec<DVec3>, Vec<[f32; 3]>) {
         (0..self.offsets.len()).map(|n| (self.centre + self.arm(n), self.velocity_of(n))).unzip()
     }
 
-    /// A step of the simulation, whose fluid is the body.
+    /// One step of a simulation whose fluid is the body.
     ///
     /// # Errors
     /// As [`Simulation::step`], and if particles left the domain.
@@ -76,12 +76,12 @@ impl Rigid {
         Ok(report)
     }
 
-    /// Puts the particles where the body is.
+    /// Moves the particles to where the body is.
     pub fn place(&self, simulation: &mut Simulation) {
         simulation.place(|id| (self.centre + self.arm(id as usize), self.velocity_of(id as usize)));
     }
 
-    /// Angular momentum is gained and kept while the body turns, by the implicit midpoint rule.
+    /// Rotates the body by the implicit midpoint rule, which conserves angular momentum.
     fn turn(&mut self, gained: DVec3, dt: f64) {
         let momentum = self.inertia_at(self.rotation) * self.angular_velocity + gained;
         let velocity_at = |rotation: DQuat| self.inertia_at(rotation).inverse() * momentum;

@@ -1,5 +1,5 @@
-//! Water in a ball that turns: Band et al. 2018, Fig. 4. Boundaries without friction must not move it; what they do move, by
-//! pressures that don't fit, is artificial viscosity.
+//! Water in a ball that turns: Band et al. 2018, Fig. 4. Boundaries without friction must not move it; where unsuitable
+//! pressures do, that is artificial viscosity.
 
 use super::methods::{CLEARANCE, Method, Scenery, fixed_step, survives};
 use crate::validation::flow::lattice;
@@ -14,7 +14,7 @@ use volmap_fluid::settings::{BoundaryMethod, BoundaryPressure, FluidSettings, So
 use volmap_fluid::shapes::{Shape, ball};
 use volmap_runtime::{ClosureKind, DVec3};
 
-/// It.
+/// Its entry in [`EXPERIMENTS`](super::EXPERIMENTS).
 pub const EXPERIMENT: Experiment = Experiment {
     name: "sphere",
     title: "Rotating sphere, Band Fig. 4",
@@ -24,12 +24,12 @@ pub const EXPERIMENT: Experiment = Experiment {
 
 /// Radius of the ball, metres; the paper's is 3.
 const RADIUS: f64 = 0.5;
-/// rpm: the paper's 7, as often in the time that water takes to fall through the ball.
+/// Speed of the ball, rpm. It makes as many turns as the paper's 7 rpm in the time of a fall through the ball.
 const SPEED: f64 = 7.0 * 2.449;
 /// The paper's steps, seconds.
 const STEP: f64 = 0.001;
 
-/// The three of the paper, two of them on blue noise first, and ours.
+/// The paper's three methods, two of them on blue noise as well, and ours.
 const METHODS: [Method; 9] = [
     Method::blue_noise(BoundaryPressure::Mirror),
     Method::blue_noise(BoundaryPressure::Mls),
@@ -42,7 +42,7 @@ const METHODS: [Method; 9] = [
     Method::maps(ClosureKind::Calibrated, BoundaryPressure::Own),
 ];
 
-/// Which of them a short run has.
+/// Which of [`METHODS`] a short run has.
 const SHORT: [usize; 3] = [1, 4, 6];
 
 /// Means over the last half of a run.
@@ -50,9 +50,9 @@ const SHORT: [usize; 3] = [1, 4, 6];
 struct Calm {
     /// Root of the mean square of the speeds, over the wall's.
     speed: f64,
-    /// Kinetic energy over that of water that turns with the ball.
+    /// Kinetic energy, relative to water that turns with the ball.
     energy: f64,
-    /// Angular momentum about the axis, over the same water's.
+    /// Angular momentum about the axis, relative to the same water.
     carried: f64,
     /// Mean time of a step, seconds.
     time: f64,
@@ -69,8 +69,8 @@ fn run(run: &Run) -> Result<Outcome, Error> {
         (run.progress)(&format!("sphere: {}", method.name()));
         let hollow = method.shape(ball(RADIUS, 6), radius, true)?;
         let end = run.pick(1.0, 3.0);
-        let (still, _) = turn(&method, &hollow, [radius, 0.0, end])?;
-        let (turning, points) = turn(&method, &hollow, [radius, SPEED, end])?;
+        let (still, _) = turn(&method, &hollow, radius, 0.0, end)?;
+        let (turning, points) = turn(&method, &hollow, radius, SPEED, end)?;
         outcome.rows.extend(rows(&method, still, turning));
         let (name, colour) = (method.name(), DISTINCT[n % DISTINCT.len()]);
         let data = if n < 6 { Data::Dashes(points) } else { Data::Curve(points) };
@@ -83,15 +83,19 @@ fn run(run: &Run) -> Result<Outcome, Error> {
     Ok(outcome)
 }
 
-const NOTE: &str = "Scaled: the ball's radius is 0.5 m instead of 3 m, 17.1 rpm instead of 7 (the same wall speed over sqrt(g R)), 3 s for 10; \
-                    spacing 5 cm, steps of 1 ms and ten iterations without a divergence solve are the paper's. The paper shows \
-                    speeds in colours and gives no figures.";
+const NOTE: &str = "\
+    Scaled: the ball's radius is 0.5 m instead of 3 m, 17.1 rpm instead of 7 (the same wall speed over sqrt(g R)), 3 \
+    s for 10 s. The spacing of 5 cm, steps of 1 ms and ten iterations without a divergence solve are the paper's. \
+    The paper shows speeds in colours and gives no figures.";
 
-/// Means, and kinetic energy over time, of water in the ball at a radius (m), speed (rpm) and until a time (s).
+/// Means, and kinetic energy over time, of water in the ball. The particles' radius is in metres, the ball's speed in
+/// rpm, the end in seconds.
 fn turn(
     method: &Method,
     hollow: &Shape,
-    [radius, speed, end]: [f64; 3],
+    radius: f64,
+    speed: f64,
+    end: f64,
 ) -> Result<(Calm, Vec<[f64; 2]>), Error> {
     let spin = Spin { axis: DVec3::X, centre: DVec3::ZERO, speed: speed * PI / 30.0 };
     let motion = if speed == 0.0 { Motion::Static } else { Motion::Prescribed(Path::Spin(spin)) };
@@ -129,7 +133,7 @@ fn turn(
     Ok((mean, points))
 }
 
-/// As the paper has it: ten iterations from zero, and no divergence solve.
+/// The paper's solver: ten iterations from zero, and no divergence solve.
 fn ten_iterations() -> SolverSettings {
     let mut solver = fixed_step(SolverSettings::default(), STEP);
     solver.density.min_iterations = 10;

@@ -1,5 +1,5 @@
-//! A thick fluid sticks: to a thin grid that it is poured on, Bender et al. 2020, *Implicit Frictional Boundary Handling for
-//! SPH*, Fig. 13, and to a body that moves (Fig. 12).
+//! A thick fluid sticks: to a thin grid that it is poured on, Bender et al. 2020, *Implicit Frictional Boundary
+//! Handling for SPH*, Fig. 13, and to a body that moves (Fig. 12).
 
 use super::boundaries::VOLUME_MAP;
 use crate::validation::flow::lattice;
@@ -14,17 +14,17 @@ use volmap_fluid::shapes::ball;
 use volmap_fluid::simulation::Simulation;
 use volmap_runtime::{DQuat, DVec3, Sample};
 
-/// It.
+/// Its entry in [`EXPERIMENTS`](super::EXPERIMENTS).
 pub const EXPERIMENT: Experiment = Experiment {
     name: "sticky",
     title: "Sticky boundaries",
-    about: "A thick fluid falls on a thin grid, and covers a ball that is moved: how much stays, with sticking and without",
+    about: "A thick fluid falls on a grid and covers a moving ball: how much stays, with sticking and without",
     run,
 };
 
-/// Of the fluid, m^2/s: 500 kg/(m s) at 1,000 kg/m^3.
+/// Viscosity of the fluid, m^2/s: 500 kg/(m s) at 1,000 kg/m^3.
 const VISCOSITY: f64 = 0.5;
-/// Between fluid and body, m^2/s: none, that of Fig. 12, and 10,000 kg/(m s) as in Fig. 13.
+/// Viscosities between fluid and body, m^2/s: none, that of Fig. 12, and 10,000 kg/(m s) as in Fig. 13.
 const COEFFICIENTS: [f64; 3] = [0.0, 0.01, 10.0];
 
 fn run(run: &Run) -> Result<Outcome, Error> {
@@ -33,7 +33,7 @@ fn run(run: &Run) -> Result<Outcome, Error> {
     let chosen = run.pick(&[0.0, 10.0][..], &COEFFICIENTS);
     for (&coefficient, colour) in chosen.iter().zip(DISTINCT) {
         let label = format!("mu_B = {} kg/(m s)", 1e3 * coefficient);
-        let scenes: [(&str, Scene); 2] = [("grid", grid), ("ball", moved)];
+        let scenes: [(&str, HoldingCase); 2] = [("grid", grid), ("ball", moved)];
         for ((name, scene), curves) in scenes.into_iter().zip(&mut charts) {
             (run.progress)(&format!("sticky: {name}, {label}"));
             let held = scene(run, coefficient)?;
@@ -49,26 +49,29 @@ fn run(run: &Run) -> Result<Outcome, Error> {
     Ok(outcome)
 }
 
-const NOTE: &str = "Held is what isn't lower than 10 cm under the grid, or farther than 8 rp from the ball. Fluid of 500 kg/(m s) at \
-                    1,000 kg/m^3; a block of 24 x 10 x 24 cm falls from 1 cm on a grid of bars of 3 cm and holes of 7.8 cm; a coat \
-                    of 4 rp on a ball of 10 cm, which goes 1 m aside in 1 s and rests. The paper shows pictures and has no figures. Mu_B = 10 \
-                    kg/(m s) is that of its Fig. 12, 10,000 that of Fig. 13.";
+const NOTE: &str = "\
+    Fluid counts as held unless it is lower than 10 cm under the grid, or farther than 8 rp from the ball. It has \
+    500 kg/(m s) at 1,000 kg/m^3. A block of 24 x 10 x 24 cm falls from 1 cm on a grid of bars of 3 cm and holes of \
+    7.8 cm; a coat of 4 rp covers a ball of 10 cm, which moves 1 m aside in 1 s and stops. The paper shows pictures \
+    and gives no figures. mu_B = 10 kg/(m s) is that of its Fig. 12, 10,000 that of Fig. 13.";
 
-type Scene = fn(&Run, f64) -> Result<Held, Error>;
+/// Simulates with a coefficient mu_B / rho_0, m^2/s.
+type HoldingCase = fn(&Run, f64) -> Result<Held, Error>;
 
 /// How much the body holds.
 #[derive(Default)]
 struct Held {
-    /// Of the fluid at each time.
+    /// Time (s), and the part of the fluid that is held.
     points: Vec<[f64; 2]>,
-    /// How far the centre of what isn't gone has fallen, metres; none if all is gone.
+    /// How far the centre of the fluid that is left has fallen, metres; none if none is left.
     fall: Option<f64>,
-    /// Mean speed of the fluid over the body's when that is the fastest; none where it rests.
+    /// Mean speed of the fluid over the body's when the body is fastest; none for bodies at rest.
     carried: Option<f64>,
-    /// Particles found in the body, mean of steps, and the deepest, metres.
+    /// Particles found in the body, mean over steps.
     inside: f64,
+    /// Largest depth of a centre in the body, metres.
     depth: f64,
-    /// Conjugate gradients, mean of steps.
+    /// Iterations of the viscous solve, mean over steps.
     iterations: f64,
 }
 
@@ -89,7 +92,7 @@ impl Held {
     }
 }
 
-/// A block of fluid falls on a grid and drips off, or not.
+/// A block of fluid falls on a grid.
 fn grid(run: &Run, coefficient: f64) -> Result<Held, Error> {
     let radius = run.pick(0.01, 0.0065);
     let grid = VOLUME_MAP.baked(bars(5), radius, false)?;
@@ -99,7 +102,7 @@ fn grid(run: &Run, coefficient: f64) -> Result<Held, Error> {
     hold(radius, &places, touched(body, coefficient), run.pick(1.0, 2.0), |_, x| x.y > -0.1)
 }
 
-/// A ball with a coat, moved aside.
+/// A ball with a coat of fluid is moved aside.
 fn moved(run: &Run, coefficient: f64) -> Result<Held, Error> {
     const BALL: f64 = 0.1;
     let radius = run.pick(0.015, 0.01);
@@ -139,7 +142,7 @@ fn hold(
         viscosity_method: ViscosityMethod::Implicit,
         ..FluidSettings::default()
     };
-    // What has fallen so far is gone.
+    // Fluid that has fallen this far is removed.
     setup.domain = Some([DVec3::new(-3.0, -2.0, -3.0), DVec3::splat(3.0)]);
     setup.particles.add(places, &vec![[0.0; 3]; places.len()]);
     let mut simulation = Simulation::new(setup)?;
@@ -164,7 +167,7 @@ fn hold(
     Ok(held)
 }
 
-/// How deep in the body a particle's centre is at most, metres.
+/// Largest depth of a particle's centre in the body, metres.
 fn deepest(simulation: &Simulation) -> f64 {
     let body = &simulation.bodies().posed()[0];
     let depth = |&x: &DVec3| match body.sample(x) {

@@ -1,5 +1,5 @@
-//! Times of a step for particles, density maps and volume maps: Bender et al. 2020, *Implicit Frictional Boundary Handling for
-//! SPH*, Table 1, its double dam break with fewer particles.
+//! Times of a step for particles, density maps and volume maps: Bender et al. 2020, *Implicit Frictional Boundary
+//! Handling for SPH*, Table 1, its double dam break with fewer particles.
 
 use super::boundaries::{DENSITY_MAP, Named, PAPER_MAP, PARTICLES, VOLUME_MAP};
 use crate::validation::flow::lattice;
@@ -16,20 +16,20 @@ use volmap_fluid::shapes::{baked_by, cuboid};
 use volmap_fluid::simulation::{Simulation, StepReport};
 use volmap_runtime::{ClosureKind, DVec3, Sample, SurfaceWithGradient};
 
-/// Places that maps are asked about at once.
+/// Points per query of a map.
 const AT_ONCE: usize = 512;
-/// It.
+/// Its entry in [`EXPERIMENTS`](super::EXPERIMENTS).
 pub const EXPERIMENT: Experiment = Experiment {
     name: "table1",
     title: "Times of a step",
-    about: "Double dam break: neighbour search, pressure, non-pressure and all, for particles, density maps and volume maps",
+    about: "Double dam break: times of a step for boundary particles, density maps and volume maps",
     run,
 };
 
-/// Of the paper's table, for 3 million particles: ms of the search, pressure, non-pressure, all.
+/// The paper's times for 3 million particles, ms: search, pressure, non-pressure, all.
 const PAPER: [[f64; 4]; 3] =
     [[411.0, 1090.0, 357.0, 1858.0], [379.0, 1054.0, 339.0, 1715.0], [369.0, 1078.0, 342.0, 1789.0]];
-/// Millions.
+/// The paper's particles, millions.
 const PAPER_PARTICLES: f64 = 3.0;
 const STAGES: [&str; 4] = ["neighbour search", "pressure", "non-pressure", "total"];
 
@@ -42,7 +42,7 @@ fn run(run: &Run) -> Result<Outcome, Error> {
         (run.progress)(&format!("table1: {}, made", method.name));
         racers.push(Racer::new(method, radius)?);
     }
-    // The one that is behind does the next step, so that what else the machine does slows all alike.
+    // The simulation that is behind does the next step, so that other load on the machine slows all alike.
     loop {
         let next = racers.iter_mut().min_by(|a, b| a.simulation.time().total_cmp(&b.simulation.time()));
         let Some(next) = next.filter(|next| next.simulation.time() < end) else { break };
@@ -64,20 +64,21 @@ fn run(run: &Run) -> Result<Outcome, Error> {
     Ok(outcome)
 }
 
-const NOTE: &str = "61,250 particles instead of 3 million (short: 6,912); medians over steps in ms per million particles, the paper's \
-                    means divided by 3. The fewer particles, the more of them are near a wall. Neighbour search is sorting and the lists of \
-                    fluid neighbours, and with boundary particles their contacts, too. Pressure is both solves, and with maps \
-                    their queries. Non-pressure is viscosity, gravity and new places. The solver asks the maps with boundary particles as \
-                    well, to find particles inside bodies; these queries are timed by themselves after each step and taken off. The \
-                    four simulations take turns, step by step. Maps have cells of r / 2, that of the default closure is a narrow one, of \
-                    r / 8.";
+const NOTE: &str = "\
+    61,250 particles instead of 3 million (short: 6,912). Medians over steps in ms per million particles; the \
+    paper's means divided by 3. With fewer particles, more of them are near a wall. Neighbour search is sorting and \
+    the lists of fluid neighbours, with boundary particles also their contacts. Pressure is both solves, with maps \
+    also their queries. Non-pressure is viscosity, gravity and new positions. With boundary particles the solver \
+    queries the maps as well, to find particles inside bodies; these queries are timed separately after each step \
+    and subtracted. The four simulations take turns, step by step. Maps have cells of r / 2; that of the default \
+    closure is a narrow one with cells of r / 8.";
 
 /// A simulation and its times.
 struct Racer {
     view: Named,
     simulation: Simulation,
     steps: u32,
-    /// Of each step, of the search, pressure, non-pressure, all, and what the boundary takes of these; seconds.
+    /// Of each step, seconds: search, pressure, non-pressure, all, and the boundary's part of these.
     times: [Vec<f64>; 5],
     iterations: u32,
     points: Vec<[f64; 2]>,
@@ -86,9 +87,9 @@ struct Racer {
 
 impl Racer {
     fn new(view: Named, radius: f64) -> Result<Racer, Error> {
-        // As data/scenes/double_dam_break.toml.
+        // The scene of data/scenes/double_dam_break.toml.
         let tank = cuboid(DVec3::new(-1.55, 0.0, -1.55), DVec3::new(1.55, 3.1, 1.55));
-        // All but the default's narrow one of cells of r / 2, which bake in time.
+        // Maps have cells of r / 2, which bake fast, but for the narrow one of the default.
         let support_radius = 4.0 * radius;
         let mut baking = view.method.baking(support_radius, true);
         if view.method.closure != ClosureKind::Mirror || view.method.boundary != BoundaryMethod::VolumeMap {
@@ -141,7 +142,7 @@ impl Racer {
         Ok(())
     }
 
-    /// What the solver spends to find particles in bodies, as many at once as a block has.
+    /// The time in which the solver finds particles in bodies, with as many points per query as a block has.
     fn map_queries(&self) -> Duration {
         let start = Instant::now();
         let chunks = self.simulation.particles().positions.par_chunks(AT_ONCE);
@@ -154,7 +155,7 @@ impl Racer {
         start.elapsed()
     }
 
-    /// Medians of [`Racer::times`], ms for a million particles.
+    /// Medians of [`Racer::times`], ms per million particles.
     fn milliseconds(&self) -> [f64; 5] {
         let millions = self.simulation.particles().len() as f64 / 1e6;
         std::array::from_fn(|n| 1e3 * percentile(&self.times[n], 0.5) / millions)

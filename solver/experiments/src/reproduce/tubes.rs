@@ -1,5 +1,5 @@
-//! Against tube maps, the rival: density beside the exact integral where a surface is smooth, sharp, thin or near another one;
-//! what a map takes to build; and a scene of thin and sharp walls.
+//! Comparison with tube maps: density against the exact integral where a surface is smooth, sharp, thin or near another
+//! one; bake times; and a scene of thin and sharp walls.
 
 use super::methods::{Method, Scenery, survives};
 use super::prism::{circle, prism};
@@ -13,15 +13,15 @@ use volmap_fluid::bodies::Motion;
 use volmap_fluid::boundary::density_map::EXTENSION;
 use volmap_fluid::observe::rms_speed;
 use volmap_fluid::settings::{BoundaryMethod, BoundaryPressure, SolverSettings};
-use volmap_fluid::shapes::{Shape, bake_made, ball, cuboid};
+use volmap_fluid::shapes::{bake_made, ball, cuboid};
 use volmap_formats::mesh::TriangleMesh;
 use volmap_runtime::{ClosureKind, DVec3, Kernel, KernelKind};
 
-/// It.
+/// Its entry in [`EXPERIMENTS`](super::EXPERIMENTS).
 pub const EXPERIMENT: Experiment = Experiment {
     name: "tubes",
     title: "Tube maps",
-    about: "Densities of tube, density and volume maps beside exact integrals, times to build, and a scene of thin and sharp walls",
+    about: "Tube, density and volume maps: densities against exact integrals, bake times, thin and sharp walls",
     run,
 };
 
@@ -36,7 +36,7 @@ struct Solid {
     container: bool,
     /// Its signed distance, metres.
     distance: Box<dyn Fn(DVec3) -> f64 + Sync>,
-    /// Where the ray begins on the surface, and its way as the distance grows by one.
+    /// The ray's origin on the surface, and its direction per unit of distance.
     ray: [DVec3; 2],
 }
 
@@ -50,7 +50,7 @@ fn run(run: &Run) -> Result<Outcome, Error> {
         (run.progress)(&format!("tubes: {}", solid.name));
         errors.push(compare(&solid, &mut outcome)?);
     }
-    for (group, solids) in GROUPS {
+    for Group { name: group, solids } in GROUPS {
         for (n, (method, _)) in integrals().iter().enumerate() {
             let mean = errors[solids.clone()].iter().map(|errors| errors[n] * errors[n]).sum::<f64>()
                 / solids.len() as f64;
@@ -73,9 +73,11 @@ fn run(run: &Run) -> Result<Outcome, Error> {
     Ok(outcome)
 }
 
-const NOTE: &str = "r = 0.1 m, rp = r / 4, cells of r / 4, distances 0.5 to 3 rp. Density and tube maps have the integral of gamma W \
-                    over the solid and 0.2 r around it (Eq. 9 and 11), `calibrated` and `wedge` that of W over the solid: each is \
-                    compared with its own. `mirror` and particles have no integral. The authors' own tube maps: solver/benches/compare_tube_maps.py.";
+const NOTE: &str = "\
+    r = 0.1 m, rp = r / 4, cells of r / 4, distances 0.5 to 3 rp. Density and tube maps have the integral of gamma W \
+    over the solid and 0.2 r around it (Eq. 9 and 11), `calibrated` and `wedge` that of W over the solid: each is \
+    compared with its own. `mirror` and particles have no integral. The authors' own tube maps: \
+    solver/benches/compare_tube_maps.py.";
 
 fn cube_distance(x: DVec3, low: DVec3, high: DVec3) -> f64 {
     let out = (low - x).max(x - high);
@@ -91,7 +93,7 @@ fn cube(name: &'static str, [low, high]: [DVec3; 2], container: bool, ray: [DVec
 
 fn round(name: &'static str, radius: f64, container: bool) -> Solid {
     let sign = if container { -1.0 } else { 1.0 };
-    // Not along an axis of the mesh's symmetry.
+    // Off the symmetry axes of the mesh.
     let way = DVec3::new(0.48, 0.6, 0.64);
     let distance = Box::new(move |x: DVec3| sign * (x.length() - radius));
     Solid { name, mesh: ball(radius, 6), container, distance, ray: [radius * way, sign * way] }
@@ -128,11 +130,20 @@ fn solids() -> Vec<Solid> {
     ]
 }
 
-/// Which of the solids belong together.
-const GROUPS: [(&str, Range<usize>); 3] =
-    [("all smooth ones", 0..6), ("all edges and corners", 6..10), ("plate and gap", 10..12)];
+/// Solids whose errors are averaged.
+struct Group {
+    name: &'static str,
+    /// Which of [`solids`].
+    solids: Range<usize>,
+}
 
-/// Maps of the integral, and whether gamma is in it.
+const GROUPS: [Group; 3] = [
+    Group { name: "all smooth ones", solids: 0..6 },
+    Group { name: "all edges and corners", solids: 6..10 },
+    Group { name: "plate and gap", solids: 10..12 },
+];
+
+/// Maps of an integral, and whether it has gamma.
 fn integrals() -> [(Method, bool); 4] {
     let own = BoundaryPressure::Own;
     [
@@ -143,15 +154,15 @@ fn integrals() -> [(Method, bool); 4] {
     ]
 }
 
-/// The root mean square of each method's error.
+/// Root mean square of each method's error.
 fn compare(solid: &Solid, outcome: &mut Outcome) -> Result<[f64; 4], Error> {
-    // In a gap of r, beyond the middle the other wall is nearer.
+    // Beyond the middle of a gap of r the other wall is nearer.
     let farthest = if solid.name == "gap of r" { 2.0 } else { 3.0 };
     let distances: Vec<f64> = DISTANCES.into_iter().filter(|d| *d <= farthest).collect();
     let places: Vec<DVec3> = distances.iter().map(|d| solid.ray[0] + d * RADIUS * solid.ray[1]).collect();
     let exact: Vec<[f64; 2]> = places.iter().map(|&place| integral(solid, place)).collect();
     let (mut curves, mut errors) = (Vec::new(), [0.0; 4]);
-    // All four are in a density map.
+    // A density map has what all four methods need.
     let with_all = Method::of(BoundaryMethod::DensityMap, BoundaryPressure::Own);
     let shape = with_all.shape(solid.mesh.clone(), RADIUS, solid.container)?;
     for (n, (method, has_gamma)) in integrals().into_iter().enumerate() {
@@ -181,7 +192,7 @@ fn compare(solid: &Solid, outcome: &mut Outcome) -> Result<[f64; 4], Error> {
     Ok(errors)
 }
 
-/// Of W over the solid, and of gamma W; by the middles of small cubes, each as far solid as a plane at its distance.
+/// Integrals of W over the solid, and of gamma W: sums over small cubes, each filled as by a plane at its distance.
 fn integral(solid: &Solid, place: DVec3) -> [f64; 2] {
     const ACROSS: i32 = 64;
     let kernel = Kernel::new(KernelKind::CubicSpline, SUPPORT);
@@ -236,35 +247,37 @@ fn scene_methods() -> [Method; 8] {
     ]
 }
 
-/// Of the scene: half of the tank's sides, its height, where the water begins and ends, metres.
+/// Half of the tank's sides, its height, and bottom and top of the water at the start, metres.
 const HALF: [f64; 2] = [0.3, 0.15];
 const HEIGHT: f64 = 0.7;
 const LEVELS: [f64; 2] = [0.2, 0.6];
 
-/// Water falls on a ridge of 30 degrees on the left of a plate in a tank, so many rp thick.
-fn pour(run: &Run, method: Method, thickness: f64) -> Result<Vec<Row>, Error> {
-    let radius = run.pick(0.025, 0.015);
+/// A tank with a plate in its middle, `thickness` in rp, and a ridge of 30 degrees under the water on the left.
+fn plate_and_ridge(method: &Method, radius: f64, thickness: f64) -> Result<Scenery, Error> {
     let plate_half = 0.5 * thickness * radius;
     let tank = cuboid(DVec3::new(-HALF[0], 0.0, -HALF[1]), DVec3::new(HALF[0], HEIGHT, HALF[1]));
     let plate =
         cuboid(DVec3::new(-plate_half, -0.1, -HALF[1] - 0.1), DVec3::new(plate_half, HEIGHT, HALF[1] + 0.1));
-    // Around its centre, a third of its height up.
+    // Around its centre, which is at a third of its height.
     let ridge = prism(&[[0.0, 0.1], [-0.04, -0.05], [0.04, -0.05]], HALF[1] + 0.1);
-    let shapes: [(Shape, DVec3); 3] = [
-        (method.shape(tank, radius, true)?, DVec3::ZERO),
-        (method.shape(plate, radius, false)?, DVec3::ZERO),
-        (method.shape(ridge, radius, false)?, DVec3::new(-0.5 * HALF[0], 0.05, 0.0)),
+    let (tank, plate) = (method.shape(tank, radius, true)?, method.shape(plate, radius, false)?);
+    let ridge = method.shape(ridge, radius, false)?;
+    let bodies = vec![
+        tank.body("tank", DVec3::ZERO, Motion::Static),
+        plate.body("plate", DVec3::ZERO, Motion::Static),
+        ridge.body("ridge", DVec3::new(-0.5 * HALF[0], 0.05, 0.0), Motion::Static),
     ];
-    let names = ["tank", "plate", "ridge"];
-    let bodies =
-        shapes.iter().zip(names).map(|((shape, at), name)| shape.body(name, *at, Motion::Static)).collect();
     let low = DVec3::new(-HALF[0] + radius, LEVELS[0], -HALF[1] + radius);
     let high = DVec3::new(-plate_half - radius, LEVELS[1], HALF[1] - radius);
     let mut solver = SolverSettings::default();
     solver.time_step.min = 1e-5;
-    let scenery =
-        Scenery { radius, places: lattice(low, high, radius), bodies, solver, ..Scenery::default() };
-    let mut simulation = method.simulation(&scenery)?;
+    Ok(Scenery { radius, places: lattice(low, high, radius), bodies, solver, ..Scenery::default() })
+}
+
+/// Water falls on the ridge; measures what gets through the plate, `thickness` in rp, and out of the tank.
+fn pour(run: &Run, method: Method, thickness: f64) -> Result<Vec<Row>, Error> {
+    let radius = run.pick(0.025, 0.015);
+    let mut simulation = method.simulation(&plate_and_ridge(&method, radius, thickness)?)?;
     let count = simulation.particles().len();
     let (mut inside, mut steps, mut fastest) = (0, 0_u32, 0.0_f64);
     let stopped = survives(&mut simulation, run.pick(0.6, 2.0), &mut |_, report| {

@@ -14,11 +14,11 @@ use volmap_fluid::settings::{BoundaryMethod, BoundaryPressure, SolverSettings};
 use volmap_fluid::shapes::Shape;
 use volmap_runtime::{ClosureKind, DVec3};
 
-/// It.
+/// Its entry in [`EXPERIMENTS`](super::EXPERIMENTS).
 pub const EXPERIMENT: Experiment = Experiment {
     name: "washing",
     title: "Washing drum, Band 5.5",
-    about: "Water in a drum with three paddles that turns at 45 rpm: the largest fixed step at which nothing explodes or leaks",
+    about: "Water in a drum that turns at 45 rpm: the largest fixed step at which nothing explodes or leaks",
     run,
 };
 
@@ -26,8 +26,10 @@ pub const EXPERIMENT: Experiment = Experiment {
 const RADIUS: f64 = 0.4;
 const HALF_LENGTH: f64 = 0.15;
 /// Its paddles: how many, how high and how thick, metres.
-const PADDLES: (u32, f64, f64) = (3, 0.12, 0.06);
-/// Turns a minute.
+const PADDLES: u32 = 3;
+const PADDLE_HEIGHT: f64 = 0.12;
+const PADDLE_WIDTH: f64 = 0.06;
+/// Turns per minute.
 const SPEED: f64 = 45.0;
 /// Steps that are tried, in ratios of 2^(1/4), seconds.
 const FIRST_STEP: f64 = 0.002;
@@ -41,16 +43,16 @@ fn methods() -> Vec<Method> {
     particles.into_iter().chain(mirror).chain(calibrated).collect()
 }
 
-/// Of a run at one step.
+/// Results of a run with one length of the steps.
 #[derive(Clone, Copy, Debug, Default)]
 struct Wash {
     /// Largest root of the mean square of the speeds, m/s.
     rms: f64,
     /// Largest speed of all, m/s.
     fastest: f64,
-    /// Centres in the drum's wall, of all.
+    /// Part of centres in the drum's wall, over all particles and steps.
     inside: f64,
-    /// Particles at the end that are lost, or in the wall or beyond by more than rp.
+    /// Particles that are lost at the end, or deeper in the wall than rp.
     leaked: usize,
     stopped: Option<f64>,
 }
@@ -64,13 +66,13 @@ fn run(run: &Run) -> Result<Outcome, Error> {
             continue;
         }
         (run.progress)(&format!("washing: {}", method.name()));
-        let shape =
-            method.shape(prism(&drum(RADIUS, PADDLES.0, PADDLES.1, PADDLES.2), HALF_LENGTH), radius, true)?;
+        let section = drum(RADIUS, PADDLES, PADDLE_HEIGHT, PADDLE_WIDTH);
+        let shape = method.shape(prism(&section, HALF_LENGTH), radius, true)?;
         let first = run.pick(4.0 * FIRST_STEP, FIRST_STEP);
         let (mut last, mut points) = (Wash::default(), Vec::new());
         let steps = (0..STEPS).map(|n| first * 2_f64.powf(0.25 * f64::from(n)));
         let largest = largest_step(steps, |dt| {
-            last = wash(&method, &shape, [radius, dt, run.pick(1.0, 2.0)])?;
+            last = wash(&method, &shape, radius, dt, run.pick(1.0, 2.0))?;
             points.push([1e3 * dt, last.fastest]);
             Ok(last.is_stable())
         })?;
@@ -89,10 +91,11 @@ fn run(run: &Run) -> Result<Outcome, Error> {
     Ok(outcome)
 }
 
-const NOTE: &str = "Scaled: a drum of 0.8 m x 0.3 m without holes and without spheres, spacing 4 cm, a third full, 45 rpm (the wall's \
-                    acceleration is 0.9 g), 2 s. A step is stable if the run ends, no particle is lost or deeper than rp in the \
-                    wall at its end, less than 1 % of centres are in the wall, and no speed is larger than twice what falling through the \
-                    drum and its turning give together. The paper's factor of two is of an adaptive step.";
+const NOTE: &str = "\
+    Scaled: a drum of 0.8 m x 0.3 m without holes and without spheres, spacing 4 cm, a third full, 45 rpm (the \
+    wall's acceleration is 0.9 g), 2 s. A step is stable if the run ends, no particle is lost or deeper than rp in \
+    the wall at its end, less than 1 % of centres are in the wall, and no speed is larger than twice the sum of the \
+    wall's speed and that of a fall through the drum. The paper's factor of two is of an adaptive step.";
 
 impl Wash {
     fn is_stable(&self) -> bool {
@@ -105,7 +108,8 @@ fn wall_speed() -> f64 {
     SPEED * PI / 30.0 * RADIUS
 }
 
-fn wash(method: &Method, shape: &Shape, [radius, dt, end]: [f64; 3]) -> Result<Wash, Error> {
+/// A run of particles of a radius (metres) in steps of `dt` until a time (seconds).
+fn wash(method: &Method, shape: &Shape, radius: f64, dt: f64, end: f64) -> Result<Wash, Error> {
     let spin = Spin { axis: DVec3::Z, centre: DVec3::ZERO, speed: SPEED * PI / 30.0 };
     let half = DVec3::new(RADIUS, RADIUS, HALF_LENGTH);
     let mut places = lattice(-half, half, radius);

@@ -12,7 +12,7 @@ use volmap_fluid::shapes::{baked, cuboid};
 use volmap_fluid::simulation::Simulation;
 use volmap_runtime::DVec3;
 
-/// It.
+/// Its entry in [`EXPERIMENTS`](super::EXPERIMENTS).
 pub const EXPERIMENT: Experiment = Experiment {
     name: "dam_break",
     title: "Dam break",
@@ -22,10 +22,10 @@ pub const EXPERIMENT: Experiment = Experiment {
 
 /// Width a of the column: 2.25 inches, metres.
 const WIDTH: f64 = 0.05715;
-/// n^2.
+/// n^2, the ratio of height to width.
 const ASPECT: f64 = 2.0;
 
-/// Table 2, n^2 = 2, a = 2.25 inches: T = t n sqrt(g / a), Z = z / a, z the front's place.
+/// Table 2, n^2 = 2, a = 2.25 inches: T = t n sqrt(g / a), Z = z / a, z the position of the front.
 const FRONT: [[f64; 2]; 15] = [
     [0.41, 1.11],
     [0.84, 1.22],
@@ -63,10 +63,10 @@ const HEIGHT: [[f64; 2]; 15] = [
     [4.20, 0.17],
 ];
 
-/// Percentile of the particles' places that is the front, so that a splash doesn't count.
+/// Percentile of the particles' positions that counts as the front, so that splashes don't.
 const FRONT_PART: f64 = 0.995;
 
-/// What was measured, in the units of the tables.
+/// Measured curves, in the units of the tables.
 #[derive(Default)]
 struct Measured {
     front: Vec<[f64; 2]>,
@@ -103,10 +103,11 @@ fn run(run: &Run) -> Result<Outcome, Error> {
     Ok(outcome)
 }
 
-const NOTE: &str = "The front is the place that 99.5 % of the particles haven't reached, and a particle radius; the height is that \
-                    of the 98th percentile in the layer of 2 spacings at the wall, and a radius. The measured column was \
-                    held by a paper that is burnt, ours comes to rest in a box and is free at once: the delay is the shift of time that \
-                    fits best.";
+const NOTE: &str = "\
+    The front is the position that 99.5 % of the particles haven't reached, plus a particle radius. The height is \
+    the 98th percentile in the layer of 2 spacings at the wall, plus a radius. In the measurement a paper gate, \
+    which was burnt away, held the column; here it comes to rest in a box and is free at once. The delay is the \
+    shift of time that fits best.";
 
 /// Inviscid water; the column is as deep as ten particles, between walls.
 fn collapse(across: u32, end: f64) -> Result<Measured, Error> {
@@ -137,12 +138,12 @@ fn along(simulation: &Simulation, pick: impl Fn(&DVec3) -> Option<f64>) -> Vec<f
     simulation.particles().positions.iter().filter_map(pick).collect()
 }
 
-/// Of a curve from points.
+/// Deviations of a curve from points.
 struct Deviations {
     mean: f64,
     rms: f64,
     largest: f64,
-    /// Added to the curve's times, it fits best.
+    /// Shift of the curve's times with which it fits best.
     shift: f64,
     rms_shifted: f64,
 }
@@ -168,7 +169,7 @@ fn deviations(curve: &[[f64; 2]], points: &[[f64; 2]]) -> Deviations {
     }
 }
 
-/// A curve's value; that of an end beyond it.
+/// A curve's value at a time; beyond an end, that of the end.
 fn at(curve: &[[f64; 2]], time: f64) -> f64 {
     let next = curve.partition_point(|point| point[0] < time).clamp(1, curve.len() - 1);
     let [a, b] = [curve[next - 1], curve[next]];

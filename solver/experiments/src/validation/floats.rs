@@ -12,7 +12,7 @@ use volmap_fluid::shapes::{Shape, baked, ball, cuboid};
 use volmap_fluid::simulation::Simulation;
 use volmap_runtime::{DVec3, Pose, VolumeMap};
 
-/// It.
+/// Its entry in [`EXPERIMENTS`](super::EXPERIMENTS).
 pub const EXPERIMENT: Experiment = Experiment {
     name: "floats",
     title: "Archimedes",
@@ -54,10 +54,11 @@ fn run(run: &Run) -> Result<Outcome, Error> {
     Ok(outcome)
 }
 
-const NOTE: &str = "The water level is where the water would stand at rest density; that of the pressure is where p / (rho g) + y says, \
-                    by particles that are far from body, walls, floor and surface; the highest particles lie some rp/2 lower. \
-                    Means over the last half of each run. Particles begin up to 0.3 rp off the lattice, on which water at \
-                    rest is a crystal, that may carry a body.";
+const NOTE: &str = "\
+    The water level is where the water would stand at rest density. That of the pressure is p / (rho g) + y, of \
+    particles that are far from body, walls, floor and surface; the highest particles lie some rp/2 lower. Means are \
+    over the second half of each run. Particles begin up to 0.3 rp off the lattice: on the lattice, water at rest is \
+    a crystal that may carry a body.";
 
 fn cube() -> volmap_formats::mesh::TriangleMesh {
     cuboid(DVec3::splat(-0.14), DVec3::splat(0.14))
@@ -69,7 +70,7 @@ fn hollow() -> volmap_formats::mesh::TriangleMesh {
 
 struct Tank {
     shape: Shape,
-    /// Of the particles, metres.
+    /// Particle radius, metres.
     radius: f64,
 }
 
@@ -94,7 +95,7 @@ fn disturb(places: &mut [DVec3], radius: f64) {
     }
 }
 
-/// Free, and fixed on the chosen axes.
+/// A free motion, fixed on the chosen axes.
 fn free(density: f64, locked: bool) -> Motion {
     Motion::Free(FreeBody {
         weight: Weight::Density(density),
@@ -104,7 +105,7 @@ fn free(density: f64, locked: bool) -> Motion {
     })
 }
 
-/// The force on a body that can't move, over the weight of the water that it displaces.
+/// The force on a fixed body, over the weight of the water that it displaces.
 fn held_under_water(
     run: &Run,
     outcome: &mut Outcome,
@@ -156,8 +157,8 @@ fn pressure_line(simulation: &Simulation) -> [f64; 2] {
     line(&points)
 }
 
-/// Mass of the particles in a frame around the body, over its volume and rho_0; each counts as the part of its cube that is
-/// in the frame.
+/// Mass of the particles in a frame around the body, over its volume and rho_0; each counts as the part of its cube
+/// that is in the frame.
 fn counted_density(simulation: &Simulation) -> f64 {
     let rp = radius(simulation);
     let [low, high] = [4.0 * rp, DEPTH - 8.0 * rp];
@@ -169,8 +170,8 @@ fn counted_density(simulation: &Simulation) -> f64 {
     count * simulation.particle_volume() / ((high - low) * 4.0 * (outer * outer - inner * inner))
 }
 
-/// Where the water would stand if all of it had its rest density: its volume and that of the body below the level, over the
-/// tank's floor, metres.
+/// Where the water would stand if all of it had its rest density: its volume and that of the body below the level, over
+/// the tank's floor, metres.
 fn level_by_volume(simulation: &Simulation, shape: &Shape, pose: Pose) -> f64 {
     let water = simulation.particles().len() as f64 * simulation.particle_volume();
     let area = (2.0 * HALF_WIDTH).powi(2);
@@ -206,7 +207,7 @@ fn floating(
 ) -> Result<Vec<[f64; 2]>, Error> {
     let end = run.pick(1.6, 3.0);
     let part = density / RHO;
-    // At about its depth, a little too high.
+    // It begins a little higher than it floats.
     let height = DEPTH + 0.28 * (0.5 - part) + 0.05;
     let mut simulation = tank.with(shape.body(name, DVec3::new(0.0, height, 0.0), free(density, false)))?;
     let whole = volume_below(&shape.mesh, Default::default(), 9.0);

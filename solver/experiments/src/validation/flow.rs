@@ -1,4 +1,4 @@
-//! Fluid of the flow experiments, and what is measured of bodies in it.
+//! Water for the experiments, and measurements of bodies in it.
 
 use volmap_fluid::Error;
 use volmap_fluid::bodies::{Bodies, BodyDescription};
@@ -17,7 +17,7 @@ pub fn lattice(min: DVec3, max: DVec3, particle_radius: f64) -> Vec<DVec3> {
     fill_box([min, max], 2.0 * particle_radius).collect()
 }
 
-/// Water of a viscosity (m^2/s) at rest in these places, of particles whose support is 4 rp, under gravity.
+/// Water at rest at these positions (metres) with a viscosity (m^2/s) and a support radius of 4 rp, under gravity.
 ///
 /// # Errors
 /// As [`Bodies::new`].
@@ -41,7 +41,7 @@ pub fn water(
     })
 }
 
-/// The default solver, with the times in which a body falls by a particle's size.
+/// The default solver, with time steps scaled as the time of a fall by a particle radius.
 pub fn solver(particle_radius: f64) -> SolverSettings {
     let mut solver = SolverSettings::default();
     let scale = (particle_radius / 0.025).sqrt();

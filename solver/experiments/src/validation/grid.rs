@@ -8,15 +8,15 @@ use volmap_fluid::Error;
 use volmap_fluid::bodies::Motion;
 use volmap_fluid::observe::until;
 use volmap_fluid::shapes::{Shape, baked, cuboid};
-use volmap_fluid::simulation::Simulation;
+use volmap_fluid::simulation::{Simulation, StepReport};
 use volmap_formats::mesh::TriangleMesh;
 use volmap_runtime::{DVec3, PosedMap, Sample};
 
-/// It.
+/// Its entry in [`EXPERIMENTS`](super::EXPERIMENTS).
 pub const EXPERIMENT: Experiment = Experiment {
     name: "grid",
     title: "Thin walls",
-    about: "Water falls on a grid of bars: nothing goes through them; nor through a plate of a quarter of the radius",
+    about: "Water falls on a grid of bars and rests on a thin plate: nothing goes through them",
     run,
 };
 
@@ -26,7 +26,7 @@ const HOLE: f64 = 0.078;
 
 fn run(run: &Run) -> Result<Outcome, Error> {
     let mut outcome = Outcome::default();
-    // Six particles across a hole, as a rule.
+    // The long form has six, four and three particles across a hole.
     let radii: &[f64] = run.pick(&[0.013], &[0.0065, 0.01, 0.013]);
     for &radius in radii {
         (run.progress)(&format!("grid: rp = {radius} m"));
@@ -38,9 +38,10 @@ fn run(run: &Run) -> Result<Outcome, Error> {
     Ok(outcome)
 }
 
-const NOTE: &str = "The grid is 3 cm thick, of bars 3 cm wide with holes of 7.8 cm between them: 6, 3.9 and 3 particles of \
-                    rp = 6.5, 10 and 13 mm fit into a hole. A particle is through a bar if it crosses the middle plane where the \
-                    map says solid.";
+const NOTE: &str = "\
+    The grid is 3 cm thick, with bars 3 cm wide and holes of 7.8 cm between them: 6, 3.9 and 3 particles of rp = \
+    6.5, 10 and 13 mm fit into a hole. A particle is through a bar if it crosses the middle plane where the map says \
+    solid.";
 
 /// A grid of `count` by `count` holes around the origin: its bars as one closed mesh.
 pub fn bars(count: usize) -> TriangleMesh {
@@ -80,10 +81,10 @@ pub fn bars(count: usize) -> TriangleMesh {
     mesh
 }
 
-/// What went where it must not.
+/// Particles that got into the solid or through it.
 #[derive(Default)]
 struct Leaks {
-    /// Particles in the solid, summed over steps, and in the worst step.
+    /// Particles in the solid, summed over steps, and in the step with most of them.
     inside: u64,
     most_inside: usize,
     steps: u64,
@@ -93,17 +94,17 @@ struct Leaks {
     /// Crossings of the middle plane, through holes and through the solid.
     passed: usize,
     leaked: usize,
-    /// Height over the middle plane by particle.
+    /// Last position of each particle, by id.
     last: HashMap<u32, DVec3>,
 }
 
 impl Leaks {
-    /// After a step; `wall` lies around the plane y = 0.
-    fn look(&mut self, simulation: &Simulation, wall: &PosedMap, (inside, removed): (usize, usize)) {
+    /// Counts after a step; `wall` lies around the plane y = 0.
+    fn look(&mut self, simulation: &Simulation, wall: &PosedMap, report: &StepReport) {
         self.steps += 1;
-        self.inside += inside as u64;
-        self.most_inside = self.most_inside.max(inside);
-        self.removed += removed;
+        self.inside += report.inside as u64;
+        self.most_inside = self.most_inside.max(report.inside);
+        self.removed += report.removed;
         let particles = simulation.particles();
         for (&x, &id) in particles.positions.iter().zip(&particles.ids) {
             if let Sample::Near(near) = wall.sample(x) {
@@ -143,7 +144,7 @@ fn pour(run: &Run, outcome: &mut Outcome, radius: f64) -> Result<(), Error> {
     let wall = simulation.bodies().posed()[0].clone();
     let mut leaks = Leaks::default();
     until(&mut simulation, run.pick(0.5, 1.5), &mut |simulation, report| {
-        leaks.look(simulation, &wall, (report.inside, report.removed));
+        leaks.look(simulation, &wall, report);
     })?;
     let case = format!("grid, rp = {} mm", 1e3 * radius);
     leaks.rows(outcome, &case, radius);
@@ -170,7 +171,7 @@ fn hold(run: &Run, outcome: &mut Outcome) -> Result<(), Error> {
     let wall = simulation.bodies().posed()[0].clone();
     let mut leaks = Leaks::default();
     until(&mut simulation, run.pick(0.5, 5.0), &mut |simulation, report| {
-        leaks.look(simulation, &wall, (report.inside, report.removed));
+        leaks.look(simulation, &wall, report);
     })?;
     let below = simulation.particles().positions.iter().filter(|x| x.y < 0.0).count();
     let case = "plate of r / 4 under 0.5 m";

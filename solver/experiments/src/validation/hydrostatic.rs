@@ -1,8 +1,8 @@
 //! Water at rest in a tank: where the layers lie, how calm they are, what pressure they have. Pressure of a fluid at
 //! rest is rho g times the depth; the first layer of particles belongs half a spacing, rp, from floor and walls.
 //!
-//! Bender et al. 2020, *Implicit Frictional Boundary Handling for SPH*, section 4.3: the boundary's density, Eq. 14, and
-//! force, Eq. 15.
+//! Bender et al. 2020, *Implicit Frictional Boundary Handling for SPH*, section 4.3: the boundary's density, Eq. 14,
+//! and force, Eq. 15.
 
 mod column;
 
@@ -15,15 +15,15 @@ use volmap_fluid::settings::{BoundaryMethod, BoundaryPressure};
 use volmap_fluid::shapes::{Shape, baked_for, cuboid};
 use volmap_runtime::{ClosureKind, DVec3};
 
-/// Water at rest.
+/// Its entry in [`EXPERIMENTS`](super::EXPERIMENTS).
 pub const EXPERIMENT: Experiment = Experiment {
     name: "hydrostatic",
-    title: "water at rest in a tank, with every closure",
-    about: "layers belong 1 rp from floor and walls, pressure is rho g h within 2 %, and nothing moves",
+    title: "Water at rest in a tank, with every closure",
+    about: "Layers belong 1 rp from floor and walls, pressure is rho g h within 2 %, and nothing moves",
     run,
 };
 
-/// Particle radius, metres; of one case half of it.
+/// Particle radius, metres; one case has half of it.
 const RADIUS: f64 = 0.025;
 const GRAVITY: f64 = 9.81;
 const DENSITY: f64 = 1000.0;
@@ -31,7 +31,7 @@ const DENSITY: f64 = 1000.0;
 struct Case {
     name: String,
     column: Column,
-    /// Whether the figures have targets: of the default closure as it is meant.
+    /// Whether the figures have targets: with the default closure and its own pressure.
     judged: bool,
 }
 
@@ -57,15 +57,15 @@ fn run(run: &Run) -> Result<Outcome, Error> {
     Ok(outcome)
 }
 
-/// A tank of 1 x 1.2 x 1 m, as the column's closure needs it.
+/// A tank of 1 x 1.2 x 1 m, baked for the column's closure.
 fn tank(column: &Column) -> Result<Shape, Error> {
     let size = DVec3::new(HALF_WIDTH, 1.2, HALF_WIDTH);
     let hollow = cuboid(DVec3::new(-size.x, 0.0, -size.z), size);
     baked_for(column.closure, hollow, 4.0 * column.radius, true)
 }
 
-/// The tank filled from wall to wall, and the block that SPlisHSPlasH makes of [-0.45, 0.05, -0.45] to [0.45, 0.6, 0.45],
-/// 2,890 particles of its volume, which spread first.
+/// The tank filled from wall to wall, and the block that SPlisHSPlasH makes of [-0.45, 0.05, -0.45] to [0.45, 0.6,
+/// 0.45], 2,890 particles of its volume, which spread first.
 fn cases(run: &Run) -> Vec<Case> {
     let full = [DVec3::new(-HALF_WIDTH, 0.0, -HALF_WIDTH), DVec3::new(HALF_WIDTH, 0.5, HALF_WIDTH)];
     let loose = [DVec3::new(-0.425, 0.075, -0.425), DVec3::new(0.425, 0.575, 0.425)];
@@ -152,7 +152,7 @@ fn energies(done: &[(Case, Rest)]) -> volmap_figures::picture::Chart {
     let filled =
         done.iter().filter(|(case, _)| case.column.volume_factor == 1.0 && case.column.largest_step > 0.004);
     let series = filled.zip(DISTINCT.iter().cycle()).map(|((case, rest), &colour)| {
-        // A point in 50 ms is enough for the eye.
+        // A point per 50 ms.
         let every = (rest.energies.len() / 200).max(1);
         let mean = |points: &[[f64; 2]]| {
             let energy = points.iter().map(|point| point[1]).sum::<f64>() / points.len() as f64;

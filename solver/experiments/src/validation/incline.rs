@@ -11,7 +11,7 @@ use volmap_fluid::shapes::{Shape, baked, cuboid};
 use volmap_fluid::simulation::Simulation;
 use volmap_runtime::{DQuat, DVec3, Pose};
 
-/// It.
+/// Its entry in [`EXPERIMENTS`](super::EXPERIMENTS).
 pub const EXPERIMENT: Experiment = Experiment {
     name: "incline",
     title: "Inclined plane",
@@ -40,7 +40,7 @@ fn run(run: &Run) -> Result<Outcome, Error> {
 
 /// The plane as a body, and its own axes in the world: up the slope, out of it, along it.
 pub fn turned(plane: &Shape, degrees: f64) -> (BodyDescription, DQuat) {
-    // About an axis that is no axis of the lattice of cells.
+    // About an axis that is none of the map's axes.
     let rotation = DQuat::from_rotation_y(0.3) * DQuat::from_rotation_z(f64::to_radians(degrees));
     let body = BodyDescription {
         pose: Pose { rotation, ..Pose::default() },
@@ -49,8 +49,8 @@ pub fn turned(plane: &Shape, degrees: f64) -> (BodyDescription, DQuat) {
     (body, rotation)
 }
 
-/// Where the particles begin, in the plane's axes, around `up` metres on the slope: farther apart than they reach, so that
-/// each is alone; odd steps, to meet all places of a cell.
+/// Positions at the start in the plane's axes, around `up` metres on the slope. They are farther apart than their
+/// support radius, so that each particle is alone, and in steps that meet all parts of a cell.
 pub fn starts(up: f64) -> Vec<DVec3> {
     let (step, half) = (4.3 * RP, SIDE / 2);
     let at = |n: i32| DVec3::new(f64::from(n % SIDE - half), 0.0, f64::from(n / SIDE - half));
@@ -69,9 +69,9 @@ fn slide(outcome: &mut Outcome, plane: &Shape, degrees: f64) -> Result<Vec<[f64;
     until(&mut simulation, end, &mut |simulation, _| {
         let time = simulation.time();
         let ways = ways(simulation, rotation, &starts);
-        let down = -ways.iter().map(|(way, _)| way.x).sum::<f64>() / ways.len() as f64;
+        let down = -ways.iter().map(|slid| slid.way.x).sum::<f64>() / ways.len() as f64;
         points.push([time, down / (0.5 * acceleration * time * time)]);
-        for (_, height) in &ways {
+        for Slid { height, .. } in &ways {
             lowest = lowest.min(*height);
             if time > 0.3 * end {
                 highest = highest.max(*height);
@@ -88,19 +88,25 @@ fn slide(outcome: &mut Outcome, plane: &Shape, degrees: f64) -> Result<Vec<[f64;
     Ok(points)
 }
 
-/// Of each particle in the plane's axes: how far it came, and its height.
-fn ways(simulation: &Simulation, rotation: DQuat, starts: &[DVec3]) -> Vec<(DVec3, f64)> {
-    let particles = simulation.particles();
-    let own = particles.positions.iter().map(|&x| rotation.conjugate() * x);
-    own.zip(&particles.ids).map(|(x, &id)| (x - starts[id as usize], x.y)).collect()
+/// A particle in the plane's axes, metres.
+struct Slid {
+    /// From its start.
+    way: DVec3,
+    height: f64,
 }
 
-fn rows(outcome: &mut Outcome, degrees: f64, ways: &[(DVec3, f64)], ideal: f64) {
+fn ways(simulation: &Simulation, rotation: DQuat, starts: &[DVec3]) -> Vec<Slid> {
+    let particles = simulation.particles();
+    let own = particles.positions.iter().map(|&x| rotation.conjugate() * x);
+    own.zip(&particles.ids).map(|(x, &id)| Slid { way: x - starts[id as usize], height: x.y }).collect()
+}
+
+fn rows(outcome: &mut Outcome, degrees: f64, ways: &[Slid], ideal: f64) {
     let case = format!("{degrees} degrees");
     let count = ways.len() as f64;
-    let mean = -ways.iter().map(|(way, _)| way.x).sum::<f64>() / count;
-    let spread = (ways.iter().map(|(way, _)| (way.x + mean).powi(2)).sum::<f64>() / count).sqrt();
-    let aside = ways.iter().map(|(way, _)| way.z.abs()).fold(0.0, f64::max);
+    let mean = -ways.iter().map(|slid| slid.way.x).sum::<f64>() / count;
+    let spread = (ways.iter().map(|slid| (slid.way.x + mean).powi(2)).sum::<f64>() / count).sqrt();
+    let aside = ways.iter().map(|slid| slid.way.z.abs()).fold(0.0, f64::max);
     let rows = &mut outcome.rows;
     rows.push(Row::new(&case, "way down over g sin(slope) t^2 / 2", "", mean / ideal).between(0.99, 1.01));
     rows.push(Row::new(&case, "spread of the ways down, over the way", "", spread / mean).at_most(0.01));

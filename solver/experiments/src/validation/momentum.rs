@@ -19,16 +19,16 @@ use volmap_runtime::DVec3;
 pub const EXPERIMENT: Experiment = Experiment {
     name: "momentum",
     title: "two blobs of fluid and a free ball collide without gravity",
-    about: "momentum of fluid and ball together is conserved to rounding, and energy never grows",
+    about: "Momentum of fluid and ball together is conserved to rounding, and energy never grows",
     run,
 };
 
 const RADIUS: f64 = 0.025;
-/// Of the ball.
+/// Radius of the ball, metres.
 const BALL: f64 = 0.2;
-/// m/s.
+/// Speed of the blobs, m/s.
 const SPEED: f64 = 1.0;
-/// Where the blobs begin, beside the ball, and off its middle.
+/// Positions of the blobs at the start: beside the ball, and off its middle.
 const AWAY: DVec3 = DVec3::new(0.55, 0.1, 0.05);
 
 /// Momentum, angular momentum about the origin, and kinetic energy; of fluid and ball together, and of the ball.

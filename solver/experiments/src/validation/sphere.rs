@@ -11,7 +11,7 @@ use volmap_fluid::observe::{momenta, rms_speed, until};
 use volmap_fluid::shapes::{Shape, baked_finely, ball};
 use volmap_runtime::{ClosureKind, DVec3};
 
-/// It.
+/// Its entry in [`EXPERIMENTS`](super::EXPERIMENTS).
 pub const EXPERIMENT: Experiment = Experiment {
     name: "sphere",
     title: "Spinning ball",
@@ -21,23 +21,23 @@ pub const EXPERIMENT: Experiment = Experiment {
 
 /// Radius of the ball, metres.
 const RADIUS: f64 = 0.5;
-/// rpm.
+/// Speed of the ball, rpm.
 const SPEED: f64 = 7.0;
 
 /// Means over the last half of a run.
 #[derive(Clone, Copy, Default)]
 struct Calm {
     rms: f64,
-    /// Kinetic energy in parts of the potential energy m g R.
+    /// Kinetic energy over the potential energy m g R.
     energy: f64,
-    /// Angular momentum about the axis, in parts of that of water that turns with the ball.
+    /// Angular momentum about the axis, over that of water that turns with the ball.
     carried: f64,
 }
 
 fn run(run: &Run) -> Result<Outcome, Error> {
     let mut outcome = Outcome::default();
     let radius = run.pick(0.025, 0.0125);
-    // As scenes bake what turns.
+    // Cells as in scenes for bodies that turn.
     let (closure, support) = (ClosureKind::Mirror, 4.0 * radius);
     let cell = closure.cell_size_of_turning(support);
     let hollow = baked_finely(ball(RADIUS, 6), closure.map_radius(support), cell, true)?;

@@ -1,4 +1,4 @@
-//! Check-points: all that a run needs to go on with the same bytes, in a file that is trusted in nothing.
+//! Checkpoints: all that a run needs to go on with the same bytes, in a file that is checked before it is used.
 //!
 //! ```text
 //! "volmapCP"  version u32  scene 32 bytes  { name length u32, name, kind u8, data length u64, data }*  0 u32
@@ -34,7 +34,7 @@ enum Kind {
     U64 = 4,
 }
 
-/// Writes a check-point, which appears when it is finished.
+/// Writes a checkpoint. The file appears under its name when it is finished, whole.
 pub struct CheckpointWriter {
     path: PathBuf,
     out: BufWriter<NewFile>,
@@ -42,7 +42,7 @@ pub struct CheckpointWriter {
 }
 
 impl CheckpointWriter {
-    /// Begins a check-point of the scene of this hash.
+    /// Begins a checkpoint of the scene of this hash.
     ///
     /// # Errors
     /// A file that can't be written.
@@ -118,7 +118,7 @@ impl CheckpointWriter {
         self.put_words(name, Kind::U64, numbers, u64::to_le_bytes)
     }
 
-    /// Gives the file its name, durably, in place of an older check-point.
+    /// Publishes the file durably, in place of an older checkpoint.
     ///
     /// # Errors
     /// A file that can't be written.
@@ -133,7 +133,7 @@ impl CheckpointWriter {
 
     fn begin(&mut self, name: &str, kind: Kind, length: usize) -> Result<(), Error> {
         if name.is_empty() || name.len() > MAX_NAME {
-            return Err(refuse(&self.path, format!("an entry can't have the name \"{name}\"")));
+            return Err(refuse(&self.path, format!("an entry can't be named \"{name}\"")));
         }
         self.write(&(name.len() as u32).to_le_bytes())?;
         self.write(name.as_bytes())?;
@@ -167,15 +167,15 @@ fn refuse(path: &Path, reason: impl Into<String>) -> Error {
     Error::Checkpoint { path: path.to_owned(), reason: reason.into() }
 }
 
-/// A check-point that was read and found whole.
+/// A checkpoint that was read and found undamaged.
 #[derive(Debug)]
 pub struct Checkpoint {
     path: PathBuf,
-    entries: BTreeMap<String, (Kind, Vec<u8>)>,
+    entries: Entries,
 }
 
 impl Checkpoint {
-    /// Reads a check-point of the scene of this hash.
+    /// Reads a checkpoint of the scene of this hash.
     ///
     /// # Errors
     /// A file that can't be read, is damaged or newer, or belongs to another scene.
@@ -241,15 +241,17 @@ impl Checkpoint {
         self.words(name, Kind::U64, u64::from_le_bytes)
     }
 
-    /// The error of content that is whole, but not what the caller can use: lists of different lengths, say.
+    /// The error for content that is undamaged, but can't be used: lists of different lengths, for example.
     pub fn refuse(&self, reason: impl Into<String>) -> Error {
         refuse(&self.path, reason)
     }
 
     fn entry(&self, name: &str, wanted: Kind) -> Result<&[u8], Error> {
         match self.entries.get(name) {
-            Some((kind, bytes)) if *kind == wanted => Ok(bytes),
-            Some((kind, _)) => Err(self.refuse(format!("\"{name}\" holds {kind:?}, not {wanted:?}"))),
+            Some(entry) if entry.kind == wanted => Ok(&entry.bytes),
+            Some(Entry { kind, .. }) => {
+                Err(self.refuse(format!("\"{name}\" holds {kind:?}, not {wanted:?}")))
+            }
             None => Err(self.refuse(format!("holds no \"{name}\": it is of another version of the program"))),
         }
     }
@@ -274,28 +276,37 @@ impl Checkpoint {
     }
 }
 
-type Entries = BTreeMap<String, (Kind, Vec<u8>)>;
+/// What stands under a name.
+#[derive(Debug)]
+struct Entry {
+    kind: Kind,
+    bytes: Vec<u8>,
+}
+
+type Entries = BTreeMap<String, Entry>;
 
 fn parse(bytes: &[u8], scene: [u8; HASH]) -> Result<Entries, String> {
-    const DAMAGED: &str = "the check-point is damaged; begin again, or use an older one";
+    const DAMAGED: &str = "the checkpoint is damaged; begin again";
     if !bytes.starts_with(&MAGIC) {
-        return Err("not a check-point of volmap".into());
+        return Err("not a checkpoint of volmap".into());
     }
     let version = bytes.get(8..12).and_then(|b| b.try_into().ok()).map(u32::from_le_bytes);
     if let Some(newer @ VERSION..) = version.filter(|&v| v > VERSION) {
-        return Err(format!("the check-point has version {newer}, newer than this program's {VERSION}"));
+        return Err(format!("the checkpoint has version {newer}, newer than this program's {VERSION}"));
     }
     let (content, hash) = bytes.split_last_chunk::<HASH>().ok_or(DAMAGED)?;
     if version != Some(VERSION) || content.len() < START || blake3::hash(content).as_bytes() != hash {
         return Err(DAMAGED.into());
     }
     if content[12..START] != scene {
-        return Err("the check-point is of another scene: undo what was changed, or begin again".into());
+        return Err(
+            "the checkpoint is of another scene: undo the changes to the scene, or begin again".into()
+        );
     }
     read_entries(&content[START..]).ok_or(DAMAGED.into())
 }
 
-/// The entries of a content whose hash was right; so this fails for a file that was made to.
+/// The entries of content whose hash is right. It fails for files that were forged.
 fn read_entries(mut rest: &[u8]) -> Option<Entries> {
     let mut entries = BTreeMap::new();
     loop {
@@ -317,7 +328,7 @@ fn read_entries(mut rest: &[u8]) -> Option<Entries> {
         };
         let length = u64::from_le_bytes(rest.split_off(..8)?.try_into().ok()?);
         let data = rest.split_off(..usize::try_from(length).ok()?)?;
-        if entries.insert(name.to_owned(), (kind, data.to_vec())).is_some() {
+        if entries.insert(name.to_owned(), Entry { kind, bytes: data.to_vec() }).is_some() {
             return None;
         }
     }
@@ -379,7 +390,7 @@ mod tests {
         bytes[8] = 2;
         let error = parse(&bytes, SCENE).unwrap_err();
         assert!(error.contains("version 2, newer"), "{error}");
-        assert!(parse(b"something else", SCENE).unwrap_err().contains("not a check-point"));
+        assert!(parse(b"something else", SCENE).unwrap_err().contains("not a checkpoint"));
     }
 
     #[test]
@@ -417,7 +428,7 @@ mod tests {
                 damaged[at] = value;
                 // May be other entries, but no panic and no memory beyond the file's size.
                 if let Some(entries) = read_entries(&damaged) {
-                    assert!(entries.values().map(|(_, data)| data.len()).sum::<usize>() <= content.len());
+                    assert!(entries.values().map(|entry| entry.bytes.len()).sum::<usize>() <= content.len());
                 }
             }
         }

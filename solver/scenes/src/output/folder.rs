@@ -1,11 +1,11 @@
 //! The folder of a run and all that goes into it.
 
 use super::animation::{self, AnimationSettings};
-use super::bodies::write_mesh;
-use super::particles::{self, ParticleFormat};
+use super::bodies::{BodyMesh, write_mesh};
+use super::particles::{self, CollectionEntry, ParticleFormat};
 use super::picture::{Painter, PictureSettings, World};
-use super::poses::{self, PoseRow};
-use super::statistics::{StepStatistics, Summary, summarise};
+use super::poses::{self, BodyFile, PoseRow};
+use super::statistics::{RunSummary, StepStatistics, summarise};
 use super::table::Table;
 use super::{Frame, io_error, publish};
 use crate::error::Error;
@@ -13,7 +13,6 @@ use serde::{Deserialize, Serialize};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use volmap_formats::asset::clear_leftovers;
-use volmap_formats::mesh::TriangleMesh;
 
 /// What is written.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,11 +21,11 @@ pub struct FolderSettings {
     pub particles: Vec<ParticleFormat>,
     /// Whether each frame is drawn.
     pub pictures: bool,
-    /// How.
+    /// Size and camera of the pictures.
     pub picture: PictureSettings,
     /// Whether the pictures become an animation at the end.
     pub animate: bool,
-    /// How.
+    /// Speed and size of the animation.
     pub animation: AnimationSettings,
 }
 
@@ -65,11 +64,10 @@ pub struct Output {
     poses: Table<PoseRow>,
     /// All frames so far.
     written: Vec<FrameRow>,
-    /// Names and mesh files.
-    bodies: Vec<(String, String)>,
+    bodies: Vec<BodyFile>,
 }
 
-/// Where a run begins or goes on.
+/// Where a run resumes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Start {
     /// Steps done.
@@ -83,8 +81,8 @@ const PICTURES: &str = "pictures";
 const BODIES: &str = "bodies";
 
 impl Output {
-    /// The folder of a run that begins (`start` is `None`) or goes on from a check-point; it is made if it isn't there.
-    /// `bodies` are the meshes of those that frames have poses of, with their names.
+    /// Opens the folder of a run that begins (`start` is `None`) or resumes; creates it if it is missing. `bodies` are the
+    /// meshes of the bodies that frames have poses of.
     ///
     /// # Errors
     /// A folder or file that can't be written.
@@ -92,7 +90,7 @@ impl Output {
         folder: &Path,
         settings: &FolderSettings,
         world: World,
-        bodies: &[(&str, &TriangleMesh)],
+        bodies: &[BodyMesh],
         start: Option<Start>,
     ) -> Result<Output, Error> {
         let needed = [
@@ -104,13 +102,13 @@ impl Output {
         for (name, _) in needed.into_iter().filter(|(_, needed)| *needed) {
             let folder = folder.join(name);
             std::fs::create_dir_all(&folder).map_err(io_error(&folder))?;
-            // A run that was killed may have left parts of files.
+            // A run that was killed may have left incomplete files.
             clear_leftovers(&folder).map_err(io_error(&folder))?;
         }
         let mut files = Vec::new();
-        for (number, (name, mesh)) in bodies.iter().enumerate() {
-            let file = write_mesh(&folder.join(BODIES), number, name, mesh)?;
-            files.push(((*name).to_owned(), format!("{BODIES}/{file}")));
+        for (number, body) in bodies.iter().enumerate() {
+            let file = write_mesh(&folder.join(BODIES), number, body)?;
+            files.push(BodyFile { name: body.name.clone(), mesh: format!("{BODIES}/{file}") });
         }
         // Frames count from 0: the last one kept is one less than their number.
         let (step, frame) = (start.map(|s| s.step), start.map(|s| s.frames.checked_sub(1)));
@@ -150,7 +148,10 @@ impl Output {
         self.frames.append(std::slice::from_ref(&row))?;
         self.written.push(row);
         if self.settings.particles.contains(&ParticleFormat::Vtu) {
-            let file = |row: &FrameRow| (row.time, particle_file(row.frame, ParticleFormat::Vtu));
+            let file = |row: &FrameRow| CollectionEntry {
+                time: row.time,
+                file: particle_file(row.frame, ParticleFormat::Vtu),
+            };
             let files: Vec<_> = self.written.iter().map(file).collect();
             particles::write_collection(&self.folder.join("particles.pvd"), &files)?;
         }
@@ -165,11 +166,11 @@ impl Output {
         self.steps.append(std::slice::from_ref(step))
     }
 
-    /// Writes what sums up the run so far: `stats.json`, `poses.json` and the animation.
+    /// Writes the summary of the run so far: `stats.json`, `poses.json` and the animation.
     ///
     /// # Errors
     /// A file that can't be read or written.
-    pub fn finish(&self) -> Result<Summary, Error> {
+    pub fn finish(&self) -> Result<RunSummary, Error> {
         let summary = summarise(&self.steps.rows()?);
         let json = serde_json::to_vec_pretty(&summary).expect("numbers and text");
         publish(&self.folder.join("stats.json"), &json)?;
@@ -185,7 +186,7 @@ impl Output {
     }
 }
 
-/// Takes away what an earlier run left in its folder, but for the tables, which [`Output::open`] makes anew.
+/// Removes what an earlier run left in its folder, but for the tables, which [`Output::open`] replaces.
 ///
 /// # Errors
 /// A file that can't be removed.

@@ -52,16 +52,25 @@ pub fn write(path: &Path, format: ParticleFormat, frame: &Frame) -> Result<(), E
     Ok(written?)
 }
 
-/// Writes ParaView's collection (`.pvd`): times in seconds, and files by their paths from the collection.
+/// A frame in ParaView's collection.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CollectionEntry {
+    /// Seconds.
+    pub time: f64,
+    /// Path of the particles' file, relative to the collection.
+    pub file: String,
+}
+
+/// Writes ParaView's collection (`.pvd`) of a run's frames.
 ///
 /// # Errors
 /// A file that can't be written.
-pub fn write_collection(path: &Path, files: &[(f64, String)]) -> Result<(), Error> {
+pub fn write_collection(path: &Path, entries: &[CollectionEntry]) -> Result<(), Error> {
     let mut text = String::from(
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n\
          <Collection>\n",
     );
-    for (time, file) in files {
+    for CollectionEntry { time, file } in entries {
         _ = writeln!(text, "<DataSet timestep=\"{time}\" part=\"0\" file=\"{file}\"/>");
     }
     text += "</Collection>\n</VTKFile>\n";

@@ -16,29 +16,29 @@ pub struct PoseRow {
     pub body: String,
     /// Place of the mesh's origin, metres.
     pub x: f64,
-    /// See `x`.
+    /// Place of the mesh's origin, metres.
     pub y: f64,
-    /// See `x`.
+    /// Place of the mesh's origin, metres.
     pub z: f64,
-    /// Rotation from the mesh's frame to the world, a quaternion of length 1.
+    /// Rotation from the mesh's frame to the world: a unit quaternion, i.
     pub qx: f64,
-    /// See `qx`.
+    /// The quaternion's j.
     pub qy: f64,
-    /// See `qx`.
+    /// The quaternion's k.
     pub qz: f64,
-    /// Its real part.
+    /// The quaternion's real part.
     pub qw: f64,
     /// Velocity of the centre of mass, m/s.
     pub vx: f64,
-    /// See `vx`.
+    /// Velocity of the centre of mass, m/s.
     pub vy: f64,
-    /// See `vx`.
+    /// Velocity of the centre of mass, m/s.
     pub vz: f64,
     /// Angular velocity, rad/s.
     pub wx: f64,
-    /// See `wx`.
+    /// Angular velocity, rad/s.
     pub wy: f64,
-    /// See `wx`.
+    /// Angular velocity, rad/s.
     pub wz: f64,
 }
 
@@ -57,14 +57,17 @@ pub fn rows(number: u64, frame: &Frame) -> Vec<PoseRow> {
 
 #[derive(Serialize)]
 struct Poses<'a> {
-    bodies: Vec<BodyFile<'a>>,
+    bodies: &'a [BodyFile],
     frames: Vec<PosesOfFrame<'a>>,
 }
 
-#[derive(Serialize)]
-struct BodyFile<'a> {
-    name: &'a str,
-    mesh: &'a str,
+/// A body and the file of its mesh.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct BodyFile {
+    /// The body's name.
+    pub name: String,
+    /// The mesh's path, relative to the run's folder.
+    pub mesh: String,
 }
 
 #[derive(Serialize)]
@@ -84,16 +87,13 @@ struct NamedPose<'a> {
     angular_velocity: [f64; 3],
 }
 
-/// Writes the poses of all frames; `bodies` are names and mesh files.
+/// Writes the poses of all frames.
 ///
 /// # Errors
 /// A file that can't be written.
-pub fn write_json(path: &Path, bodies: &[(String, String)], rows: &[PoseRow]) -> Result<(), Error> {
+pub fn write_json(path: &Path, bodies: &[BodyFile], rows: &[PoseRow]) -> Result<(), Error> {
     let frames = rows.chunk_by(|a, b| a.frame == b.frame);
-    let poses = Poses {
-        bodies: bodies.iter().map(|(name, mesh)| BodyFile { name, mesh }).collect(),
-        frames: frames.map(poses_of_frame).collect(),
-    };
+    let poses = Poses { bodies, frames: frames.map(poses_of_frame).collect() };
     publish(path, &serde_json::to_vec_pretty(&poses).expect("numbers and text"))
 }
 

@@ -1,7 +1,10 @@
-//! What each step did and how long it took; and the sum of it.
+//! What each step did and how long it took, and a summary of all steps.
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::time::Duration;
+use volmap_fluid::simulation::{Simulation, StepReport};
+use volmap_fluid::stages::Stages;
 
 /// One step; one row of `stats.csv`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -18,7 +21,7 @@ pub struct StepStatistics {
     pub density_iterations: u32,
     /// Iterations of the solve that keeps the velocity free of divergence.
     pub divergence_iterations: u32,
-    /// Iterations of the viscous solve; 0 without implicit viscosity and drag of bodies.
+    /// Iterations of the viscous solve; 0 without implicit viscosity and drag at bodies.
     pub viscosity_iterations: u32,
     /// Mean error of the density at the end of its solve, in parts of the rest density.
     pub density_error: f64,
@@ -36,7 +39,7 @@ pub struct StepStatistics {
     pub emitted: u64,
     /// Particles that left the domain and were removed.
     pub removed: u64,
-    /// Particles that were found inside a body and brought back.
+    /// Particles that were found inside a body and pushed out.
     pub inside_body: u64,
     /// Wall-clock time of the step, milliseconds; the rest are its parts.
     pub step_ms: f64,
@@ -60,40 +63,82 @@ pub struct StepStatistics {
     pub output_ms: f64,
 }
 
-/// A stage of a step: its name, and how long it took.
-type Stage = (&'static str, fn(&StepStatistics) -> f64);
+impl StepStatistics {
+    /// Of the simulation's last step, and the time that its files took.
+    pub fn of(simulation: &Simulation, report: &StepReport, writing: Duration) -> StepStatistics {
+        let ms = |duration: Duration| 1e3 * duration.as_secs_f64();
+        let stages: &Stages = &report.stages;
+        StepStatistics {
+            step: simulation.steps(),
+            time: simulation.time(),
+            dt: report.dt,
+            particles: simulation.particles().len() as u64,
+            density_iterations: report.density.iterations,
+            divergence_iterations: report.divergence.iterations,
+            viscosity_iterations: report.viscosity.iterations,
+            density_error: report.density.error,
+            divergence_error: report.divergence.error,
+            viscosity_error: report.viscosity.error,
+            max_speed: report.max_speed,
+            neighbours: simulation.mean_neighbours(),
+            near_bodies: report.near_bodies as u64,
+            emitted: report.emitted as u64,
+            removed: report.removed as u64,
+            inside_body: report.inside as u64,
+            step_ms: ms(stages.total() + writing),
+            sort_ms: ms(stages.sort),
+            neighbours_ms: ms(stages.neighbours),
+            boundary_ms: ms(stages.boundary),
+            density_ms: ms(stages.density),
+            divergence_ms: ms(stages.divergence),
+            pressure_ms: ms(stages.pressure),
+            viscosity_ms: ms(stages.non_pressure + stages.advance),
+            rigid_ms: ms(stages.rigid),
+            output_ms: ms(writing),
+        }
+    }
+}
 
-/// The parts of a step.
+/// A stage of a step.
+#[derive(Clone, Copy, Debug)]
+pub struct Stage {
+    /// Its name in `stats.json`.
+    pub name: &'static str,
+    /// How long it took in a step, milliseconds.
+    pub milliseconds: fn(&StepStatistics) -> f64,
+}
+
+/// The stages of a step. Together they take all of its time.
 pub const STAGES: [Stage; 9] = [
-    ("sort", |s| s.sort_ms),
-    ("neighbours", |s| s.neighbours_ms),
-    ("boundary", |s| s.boundary_ms),
-    ("density", |s| s.density_ms),
-    ("divergence", |s| s.divergence_ms),
-    ("pressure", |s| s.pressure_ms),
-    ("viscosity", |s| s.viscosity_ms),
-    ("rigid", |s| s.rigid_ms),
-    ("output", |s| s.output_ms),
+    Stage { name: "sort", milliseconds: |s| s.sort_ms },
+    Stage { name: "neighbours", milliseconds: |s| s.neighbours_ms },
+    Stage { name: "boundary", milliseconds: |s| s.boundary_ms },
+    Stage { name: "density", milliseconds: |s| s.density_ms },
+    Stage { name: "divergence", milliseconds: |s| s.divergence_ms },
+    Stage { name: "pressure", milliseconds: |s| s.pressure_ms },
+    Stage { name: "viscosity", milliseconds: |s| s.viscosity_ms },
+    Stage { name: "rigid", milliseconds: |s| s.rigid_ms },
+    Stage { name: "output", milliseconds: |s| s.output_ms },
 ];
 
-/// A whole run: `stats.json`.
+/// The summary of a run: `stats.json`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Summary {
+pub struct RunSummary {
     /// Steps done.
     pub steps: u64,
     /// Time simulated, seconds.
     pub simulated_seconds: f64,
     /// Wall-clock time of all steps, seconds.
     pub wall_seconds: f64,
-    /// Particles times steps, a second of wall-clock time.
+    /// Particles times steps, per second of wall-clock time.
     pub particle_steps_per_second: f64,
     /// Particles at the end.
     pub particles: u64,
-    /// Particles made, removed, and brought back from inside a body.
+    /// Particles that emitters made.
     pub emitted: u64,
-    /// See `emitted`.
+    /// Particles that left the domain and were removed.
     pub removed: u64,
-    /// See `emitted`.
+    /// Particles that were pushed out of bodies; one counts once per step.
     pub brought_back: u64,
     /// Length of a step, seconds.
     pub dt: Spread,
@@ -107,29 +152,29 @@ pub struct Summary {
     pub density_error: Spread,
     /// Largest speed, m/s.
     pub max_speed: Spread,
-    /// A step, milliseconds.
+    /// Wall-clock time of a step, milliseconds.
     pub step_ms: Spread,
-    /// Its stages by name, milliseconds.
+    /// Wall-clock times of the stages of a step, milliseconds.
     pub stages_ms: BTreeMap<String, Spread>,
 }
 
 /// How a number spreads over the steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Spread {
-    /// Over all steps.
+    /// Sum over all steps.
     pub total: f64,
-    /// A step.
+    /// Mean over the steps.
     pub mean: f64,
-    /// A step.
+    /// Median over the steps.
     pub median: f64,
-    /// Of any step.
+    /// Least of all steps.
     pub least: f64,
-    /// Of any step.
+    /// Largest of all steps.
     pub most: f64,
 }
 
 impl Spread {
-    /// Of these numbers; all zero if there are none.
+    /// The spread of these numbers; all zero if there are none.
     pub fn of(numbers: impl Iterator<Item = f64>) -> Spread {
         let mut sorted: Vec<f64> = numbers.collect();
         sorted.sort_by(f64::total_cmp);
@@ -141,13 +186,13 @@ impl Spread {
 }
 
 /// Sums up the steps of a run, in their order.
-pub fn summarise(steps: &[StepStatistics]) -> Summary {
+pub fn summarise(steps: &[StepStatistics]) -> RunSummary {
     let spread = |of: fn(&StepStatistics) -> f64| Spread::of(steps.iter().map(of));
     let count = |of: fn(&StepStatistics) -> u64| steps.iter().map(of).sum();
     let last = steps.last().cloned().unwrap_or_default();
     let wall_seconds = 1e-3 * spread(|s| s.step_ms).total;
     let particle_steps: f64 = steps.iter().map(|s| s.particles as f64).sum();
-    Summary {
+    RunSummary {
         steps: steps.len() as u64,
         simulated_seconds: last.time,
         wall_seconds,
@@ -163,7 +208,7 @@ pub fn summarise(steps: &[StepStatistics]) -> Summary {
         density_error: spread(|s| s.density_error),
         max_speed: spread(|s| s.max_speed),
         step_ms: spread(|s| s.step_ms),
-        stages_ms: STAGES.map(|(name, of)| (name.to_owned(), spread(of))).into(),
+        stages_ms: STAGES.map(|stage| (stage.name.to_owned(), spread(stage.milliseconds))).into(),
     }
 }
 
@@ -191,6 +236,9 @@ mod tests {
         let pressure = Spread { total: 50.0, mean: 12.5, median: 12.5, least: 5.0, most: 20.0 };
         assert_eq!(summary.stages_ms["pressure"], pressure);
         assert_eq!(summary.density_iterations.median, 2.5);
-        assert_eq!(summarise(&[]), Summary { stages_ms: summarise(&[]).stages_ms, ..Summary::default() });
+        assert_eq!(
+            summarise(&[]),
+            RunSummary { stages_ms: summarise(&[]).stages_ms, ..RunSummary::default() }
+        );
     }
 }

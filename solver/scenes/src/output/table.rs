@@ -1,5 +1,5 @@
-//! A CSV table that grows row by row while the program may be killed at any moment: every row goes out by one write,
-//! and a run that goes on cuts the table after the last row that it knows of.
+//! A CSV table that grows row by row, in a program that may be killed at any moment. Each row is written at once, and a
+//! run that resumes cuts the table after the last row that its checkpoint knows of.
 
 use super::io_error;
 use crate::error::Error;
@@ -10,7 +10,7 @@ use std::io::{ErrorKind, Seek, SeekFrom, Write};
 use std::marker::PhantomData;
 use std::path::{Path, PathBuf};
 
-/// A growing table of rows of one kind, whose first column is a number that never falls.
+/// A growing table of rows of one kind. The first column is a number that never decreases.
 pub struct Table<Row> {
     path: PathBuf,
     file: File,
@@ -28,8 +28,8 @@ impl<Row: Serialize + DeserializeOwned> Table<Row> {
         Ok(Table { path: path.to_owned(), file, rows: PhantomData })
     }
 
-    /// A table that goes on: rows whose first column is above `last` are cut off, as is one that is not whole. A
-    /// missing table begins anew.
+    /// A table that continues: rows whose first column is above `last` are removed, as is an incomplete one. A missing
+    /// table is created.
     ///
     /// # Errors
     /// A file that can't be read or written, or that has other columns.
@@ -41,7 +41,7 @@ impl<Row: Serialize + DeserializeOwned> Table<Row> {
         };
         let header = header(sample);
         if !bytes.starts_with(&header) {
-            // A kill may have come before the header was out.
+            // The program may have been killed before the header was complete.
             if header.starts_with(&bytes) {
                 return Table::create(path, sample);
             }
@@ -55,7 +55,7 @@ impl<Row: Serialize + DeserializeOwned> Table<Row> {
         Ok(Table { path: path.to_owned(), file, rows: PhantomData })
     }
 
-    /// Adds rows, which are in the file when this returns.
+    /// Adds rows. They are in the file when this returns.
     ///
     /// # Errors
     /// A file that can't be written.
@@ -85,7 +85,7 @@ fn to_csv<Row: Serialize>(rows: &[Row], with_header: bool) -> Vec<u8> {
     writer.into_inner().expect("memory takes all")
 }
 
-/// Bytes of the header and the whole rows up to number `last`.
+/// Bytes of the header and the complete rows up to number `last`.
 fn kept_length(bytes: &[u8], last: u64) -> u64 {
     let mut reader = csv::Reader::from_reader(bytes);
     let mut record = csv::ByteRecord::new();

@@ -1,11 +1,11 @@
-//! From a nozzle in a scene to an emitter: the lattice of a layer's particles across its direction.
+//! From the emitter in a scene to the emitter of a simulation: the lattice of a layer's particles across the flow.
 
 use super::fluid::{EmitterSettings, Nozzle};
 use glam::{DVec2, DVec3};
 use volmap_fluid::emitter::{Emitter, Jet};
 use volmap_fluid::lattice;
 
-/// An emitter before its first layer. The settings must have been checked.
+/// An emitter that hasn't emitted yet. The settings must have been checked.
 pub fn emitter(settings: &EmitterSettings, particle_radius: f64) -> Emitter {
     let direction = DVec3::from(settings.direction).normalize_or(DVec3::NEG_Y);
     let spacing = 2.0 * particle_radius;
@@ -31,7 +31,7 @@ fn layer(settings: &EmitterSettings, direction: DVec3, spacing: f64) -> Vec<DVec
     let counts = [width, height].map(|edge| ((edge / spacing + 1e-6).floor()).max(1.0) as u64);
     let first = -0.5 * spacing * DVec2::new(counts[0] as f64 - 1.0, counts[1] as f64 - 1.0);
     let grid = lattice::points(first.extend(0.0), spacing, [counts[0], counts[1], 1]);
-    // Particles keep within the opening.
+    // Particles lie within the opening.
     let fits = |at: &DVec3| match settings.nozzle {
         Nozzle::Circle { radius } => at.length() <= radius - 0.5 * spacing * (1.0 - 1e-6),
         Nozzle::Box { .. } => true,

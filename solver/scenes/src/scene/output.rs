@@ -18,7 +18,7 @@ pub struct OutputSettings {
     pub preview: Vec<Picture>,
     /// Where pictures are seen from. Default: from where all is seen.
     pub camera: Option<Camera>,
-    /// Simulated seconds between check-points, from which a run that was stopped goes on; 0: at the end only.
+    /// Simulated seconds between checkpoints, from which a run that was stopped goes on; 0: at the end only.
     pub checkpoint_interval: f64,
     /// Whether a line per step goes to stats.csv.
     pub statistics: bool,

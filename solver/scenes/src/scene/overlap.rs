@@ -5,10 +5,10 @@ use glam::{DVec3, IVec3};
 use std::collections::HashMap;
 use volmap_runtime::{PosedMap, Values};
 
-/// Closer to a body than this part of rp, a particle is taken away. A map says 0.25 rp of a particle that
-/// touches the three walls of a tank's corner, if its cells have half the support radius: that one must stay.
+/// Particles closer to a body than this many rp are left out. It is less than 0.25, the distance that a map with cells
+/// of half the support radius gives for a particle in a tank's corner, which must stay.
 pub const BODY_MARGIN: f64 = 0.2;
-/// Points that are asked for at a time.
+/// Points per query of a map.
 const BLOCK: usize = 4096;
 
 /// Drops the points that lie in a body or closer to it than `margin`, metres. Returns how many.
@@ -37,7 +37,7 @@ pub(super) fn drop_outside(points: &mut Vec<DVec3>, domain: Option<&Region>) -> 
     (before - points.len()) as u64
 }
 
-/// What was placed so far, in cubes of the least distance.
+/// The particles that were placed so far, sorted into cubes of the least distance.
 pub(super) struct Placed {
     least: f64,
     cubes: HashMap<IVec3, Vec<DVec3>>,
@@ -45,7 +45,7 @@ pub(super) struct Placed {
 }
 
 impl Placed {
-    /// Nothing; particles closer than `least` are the same.
+    /// No particles yet; those closer than `least` are duplicates.
     pub fn new(least: f64) -> Placed {
         Placed { least, cubes: HashMap::new(), bounds: Vec::new() }
     }
@@ -57,7 +57,7 @@ impl Placed {
         (before - points.len()) as u64
     }
 
-    /// Adds a source's points; those that no box of `later` sources reaches needn't be remembered.
+    /// Adds a source's points. Those that no box of `later` sources reaches are not kept.
     pub fn add(&mut self, points: &[DVec3], later: &[[DVec3; 2]]) {
         let near = |point: DVec3| {
             later.iter().any(|[low, high]| {

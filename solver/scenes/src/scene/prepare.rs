@@ -1,11 +1,11 @@
-//! From a scene to what the solver starts with: maps, particles, nozzles.
+//! From a scene to what a simulation starts with: maps, particles, emitters.
 
 use super::Scene;
 use super::body::{self, Body, Source};
 use super::map::{Library, Origin, Shape, default_cache};
 use super::nozzle;
 use super::overlap::{BODY_MARGIN, drop_in_bodies};
-use super::sources::{self, Particles, Solid, SourceCount};
+use super::sources::{self, PlacedParticles, Solid, SourceCount};
 use crate::error::Error;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -17,22 +17,22 @@ use volmap_fluid::settings::BoundaryMethod;
 use volmap_formats::mesh::TriangleMesh;
 use volmap_runtime::{Pose, PosedMap, VolumeMap};
 
-/// What the solver starts with.
+/// What a simulation starts with.
 #[derive(Clone, Debug)]
 pub struct Prepared {
     /// Bodies in the scene's order.
     pub bodies: Vec<PreparedBody>,
     /// The fluid at the start.
-    pub particles: Particles,
-    /// Nozzles in the scene's order.
+    pub particles: PlacedParticles,
+    /// Emitters in the scene's order.
     pub emitters: Vec<Emitter>,
-    /// Files of the bodies and of the fills, in the scene's order.
+    /// Files of the bodies, then of the fills, in the scene's order.
     pub files: Vec<SourceFile>,
-    /// What a careful person would look at.
+    /// What the user should look at.
     pub notes: Vec<String>,
 }
 
-/// A file that the scene names, as it was when it was read.
+/// A file that the scene names, as it was read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SourceFile {
     /// Where it is.
@@ -56,7 +56,7 @@ pub struct PreparedBody {
     pub origin: Origin,
     /// Where it is at the start.
     pub pose: Pose,
-    /// The scene's words: motion, material, colour.
+    /// The body in the scene: motion, material, colour.
     pub settings: Body,
 }
 
@@ -67,7 +67,7 @@ impl PreparedBody {
     }
 }
 
-/// Checks a scene, opens or bakes its maps, places its particles. `on_bake` hears of each mesh before it is
+/// Checks a scene, opens or bakes its maps, places its particles. `on_bake` is called with each mesh before it is
 /// baked.
 ///
 /// # Errors
@@ -76,16 +76,34 @@ pub fn prepare(scene: &Scene, on_bake: &mut dyn FnMut(&Path)) -> Result<Prepared
     scene.validate()?;
     let cache = scene.cache.clone().unwrap_or_else(default_cache);
     let mut library = Library::new(&scene.world(), cache, on_bake);
-    let (mut bodies, mut files) = (Vec::new(), Vec::new());
+    let mut files = Vec::new();
+    let bodies = prepare_bodies(scene, &mut library, &mut files)?;
+    let solids = prepare_solids(scene, &mut library, &mut files)?;
+    let mut notes = library.notes;
+    let posed: Vec<PosedMap> = bodies.iter().map(PreparedBody::posed).collect();
+    let particles = sources::fill(scene, &solids, &posed)?;
+    let emitter = |settings| nozzle::emitter(settings, scene.particle_radius);
+    let emitters: Vec<Emitter> = scene.emitters.iter().map(emitter).collect();
+    check_not_empty(scene, &particles)?;
+    notes.extend(particles.counts.iter().filter_map(left_out));
+    notes.extend(emitters.iter().enumerate().filter_map(|(i, emitter)| blocked(i, emitter, &posed, scene)));
+    Ok(Prepared { bodies, particles, emitters, files, notes })
+}
+
+fn prepare_bodies(
+    scene: &Scene,
+    library: &mut Library,
+    files: &mut Vec<SourceFile>,
+) -> Result<Vec<PreparedBody>, Error> {
+    let mut bodies = Vec::new();
     for (i, (settings, name)) in scene.bodies.iter().zip(body::names(&scene.bodies)).enumerate() {
         let key = format!("bodies[{i}]");
         let baked = library.with_cells(settings);
         let source = given(baked.source(), &key)?;
         let Shape { map, mesh, origin, content } = library.obtain_for_body(source, &key)?;
         files.push(SourceFile { path: source.path().to_owned(), content });
-        let boundary_particles = count_particles(scene, mesh.as_deref(), &key)?;
         bodies.push(PreparedBody {
-            boundary_particles,
+            boundary_particles: count_particles(scene, mesh.as_deref(), &key)?,
             name,
             map,
             mesh,
@@ -94,7 +112,16 @@ pub fn prepare(scene: &Scene, on_bake: &mut dyn FnMut(&Path)) -> Result<Prepared
             settings: settings.clone(),
         });
     }
-    let mut fills = Vec::new();
+    Ok(bodies)
+}
+
+/// The solids of the fills.
+fn prepare_solids(
+    scene: &Scene,
+    library: &mut Library,
+    files: &mut Vec<SourceFile>,
+) -> Result<Vec<Solid>, Error> {
+    let mut solids = Vec::new();
     for (i, fill) in scene.fills.iter().enumerate() {
         let key = format!("fills[{i}]");
         let source = given(fill.source(), &key)?;
@@ -102,17 +129,9 @@ pub fn prepare(scene: &Scene, on_bake: &mut dyn FnMut(&Path)) -> Result<Prepared
         files.push(SourceFile { path: source.path().to_owned(), content });
         let mesh = mesh.map(|mesh| MeshDistance::new(&mesh, SignMethod::Auto, &diagnose(&mesh)));
         let map = PosedMap { map, pose: fill.pose() };
-        fills.push(Solid { map, mesh, thickness: fill.bake.thickness.unwrap_or(0.0) });
+        solids.push(Solid { map, mesh, thickness: fill.bake.thickness.unwrap_or(0.0) });
     }
-    let mut notes = library.notes;
-    let posed: Vec<PosedMap> = bodies.iter().map(PreparedBody::posed).collect();
-    let particles = sources::fill(scene, &fills, &posed)?;
-    let emitter = |settings| nozzle::emitter(settings, scene.particle_radius);
-    let emitters: Vec<Emitter> = scene.emitters.iter().map(emitter).collect();
-    check_not_empty(scene, &particles)?;
-    notes.extend(particles.counts.iter().filter_map(left_out));
-    notes.extend(emitters.iter().enumerate().filter_map(|(i, emitter)| blocked(i, emitter, &posed, scene)));
-    Ok(Prepared { bodies, particles, emitters, files, notes })
+    Ok(solids)
 }
 
 /// How many boundary particles a body gets; none with maps.
@@ -129,29 +148,25 @@ fn given<'a>(source: Option<Source<'a>>, key: &str) -> Result<Source<'a>, Error>
     source.ok_or_else(|| Error::Scene { place: key.to_owned(), reason: reason.into() })
 }
 
-fn check_not_empty(scene: &Scene, particles: &Particles) -> Result<(), Error> {
+fn check_not_empty(scene: &Scene, particles: &PlacedParticles) -> Result<(), Error> {
     if !particles.positions.is_empty() || !scene.emitters.is_empty() {
         return Ok(());
     }
-    let (place, reason) = match particles
-        .counts
-        .iter()
-        .map(|count| count.in_bodies + count.outside)
-        .sum::<u64>()
-    {
+    let left_out: u64 = particles.counts.iter().map(|count| count.in_bodies + count.outside).sum();
+    let (place, reason) = match left_out {
         0 if particles.counts.is_empty() => {
             ("blocks", "there is no fluid: add [[blocks]], [[fills]] or [[emitters]]".to_owned())
         }
         0 => (
             "fills",
-            "no particle fits into any of them: the fluid is empty; check scale and particle_radius"
+            "no particle fits into any of them, so there is no fluid; check scale and particle_radius"
                 .to_owned(),
         ),
         lost => (
             "blocks",
             format!(
-                "all {lost} particles lie in a body or out of the domain: the fluid is empty; move it, or, if a body is a \
-             container, bake it with invert = true"
+                "all {lost} particles lie in a body or outside the domain, so there is no fluid; move them, or set \
+                 bake.invert = true for a body that is a container"
             ),
         ),
     };
@@ -160,18 +175,19 @@ fn check_not_empty(scene: &Scene, particles: &Particles) -> Result<(), Error> {
 
 fn left_out(count: &SourceCount) -> Option<String> {
     let reasons = [
-        (count.in_bodies, "lie in a body or closer to it than a fifth of a particle radius"),
-        (count.duplicates, "are on top of particles of an earlier source"),
-        (count.outside, "lie out of the domain"),
+        (count.in_bodies, "in a body, or closer to it than a fifth of a particle radius"),
+        (count.duplicates, "on top of particles of an earlier source"),
+        (count.outside, "outside the domain"),
     ];
-    let told: Vec<String> =
+    let parts: Vec<String> =
         reasons.iter().filter(|(n, _)| *n > 0).map(|(n, reason)| format!("{n} {reason}")).collect();
-    (!told.is_empty()).then(|| format!("{}: left out: {}", count.key, told.join(", ")))
+    (!parts.is_empty()).then(|| format!("{}: particles left out: {}", count.key, parts.join(", ")))
 }
 
 fn blocked(index: usize, emitter: &Emitter, bodies: &[PosedMap], scene: &Scene) -> Option<String> {
     let mut places = emitter.layer().to_vec();
     let blocked = drop_in_bodies(&mut places, bodies, BODY_MARGIN * scene.particle_radius);
     let all = emitter.layer().len();
-    (blocked > 0).then(|| format!("emitters[{index}]: {blocked} of its {all} places lie in a body"))
+    (blocked > 0)
+        .then(|| format!("emitters[{index}]: {blocked} of the {all} particles of a layer lie in a body"))
 }

@@ -1,4 +1,4 @@
-//! The particles of the start: lattices in boxes and solids, without what can't be there.
+//! The fluid at the start: lattices of particles in boxes and solids, without those that can't be there.
 
 use super::Scene;
 use super::fluid::Fill;
@@ -11,11 +11,11 @@ use volmap_fluid::lattice::{self, MAX_PARTICLES};
 use volmap_formats::asset::Exterior;
 use volmap_runtime::{PosedMap, Values};
 
-/// Where no mesh tells the exact distance: part of rp that the map's may be wrong by.
+/// Error of a map's distance that is allowed for where there is no mesh, in rp.
 const MAP_SLACK: f64 = 0.1;
-/// Particles nearer than this part of rp are one.
+/// Particles nearer than this many rp are duplicates.
 const DUPLICATE: f64 = 1.0;
-/// Points that are asked for at a time.
+/// Points per query of a map.
 const BLOCK: usize = 4096;
 
 /// A solid that is filled.
@@ -23,8 +23,8 @@ const BLOCK: usize = 4096;
 pub struct Solid {
     /// Its map, placed.
     pub map: PosedMap,
-    /// Its mesh in the map's frame, if there is one. A map is less exact in the corners of a box, where a
-    /// particle should lie.
+    /// Its mesh in the map's frame, if there is one. It is more exact than the map in the corners of a box, where
+    /// particles must fit.
     pub mesh: Option<MeshDistance>,
     /// Offset of the map's surface from the mesh, out of the solid, metres.
     pub thickness: f64,
@@ -32,21 +32,21 @@ pub struct Solid {
 
 /// The fluid at the start.
 #[derive(Clone, Debug, Default)]
-pub struct Particles {
+pub struct PlacedParticles {
     /// Centres, metres.
     pub positions: Vec<DVec3>,
     /// Velocities, m/s.
     pub velocities: Vec<DVec3>,
-    /// What came of each source, in the scene's order.
+    /// Particles of each source, in the scene's order.
     pub counts: Vec<SourceCount>,
 }
 
-/// What came of a source.
+/// How many particles a source gave.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct SourceCount {
     /// Its key, as `blocks[0]`.
     pub key: String,
-    /// Particles that are in the fluid.
+    /// Particles that the fluid begins with.
     pub particles: u64,
     /// Left out: in a body, or closer to one than rp/5.
     pub in_bodies: u64,
@@ -56,36 +56,35 @@ pub struct SourceCount {
     pub outside: u64,
 }
 
-/// Particles of all blocks and fills. `solids` holds the solid of each fill, `bodies` the placed map of each
-/// body.
+/// Particles of all blocks and fills. `solids` are those of the fills, `bodies` the placed maps of the bodies.
 ///
 /// # Errors
 /// More particles than can be.
-pub fn fill(scene: &Scene, solids: &[Solid], bodies: &[PosedMap]) -> Result<Particles, Error> {
+pub fn fill(scene: &Scene, solids: &[Solid], bodies: &[PosedMap]) -> Result<PlacedParticles, Error> {
     let (rp, spacing) = (scene.particle_radius, scene.spacing());
-    let mut sources: Vec<(String, DVec3, Vec<DVec3>)> = Vec::new();
+    let mut sources: Vec<Source> = Vec::new();
     for (i, block) in scene.blocks.iter().enumerate() {
         let points = lattice::fill_box(block.region().corners(), spacing).collect();
-        sources.push((format!("blocks[{i}]"), block.velocity.into(), points));
+        sources.push(Source { key: format!("blocks[{i}]"), velocity: block.velocity.into(), points });
         check_total(&sources)?;
     }
     for (i, (fill, solid)) in scene.fills.iter().zip(solids).enumerate() {
         let key = format!("fills[{i}]");
         let points =
             fill_solid(fill, solid, rp).map_err(|reason| Error::Scene { place: key.clone(), reason })?;
-        sources.push((key, fill.velocity.into(), points));
+        sources.push(Source { key, velocity: fill.velocity.into(), points });
         check_total(&sources)?;
     }
     let mut counts: Vec<SourceCount> = Vec::new();
-    for (key, _, points) in &mut sources {
+    for Source { key, points, .. } in &mut sources {
         let outside = drop_outside(points, scene.domain.as_ref());
         let in_bodies = drop_in_bodies(points, bodies, BODY_MARGIN * rp);
         counts.push(SourceCount { key: key.clone(), outside, in_bodies, ..SourceCount::default() });
     }
-    let boxes: Vec<_> = sources.iter().map(|(.., points)| bounds(points)).collect();
+    let boxes: Vec<_> = sources.iter().map(|source| bounds(&source.points)).collect();
     let mut placed = Placed::new(DUPLICATE * rp);
-    let mut out = Particles::default();
-    for (i, (_, velocity, mut points)) in sources.into_iter().enumerate() {
+    let mut out = PlacedParticles::default();
+    for (i, Source { velocity, mut points, .. }) in sources.into_iter().enumerate() {
         counts[i].duplicates = placed.drop_duplicates(&mut points);
         counts[i].particles = points.len() as u64;
         let later: Vec<_> = boxes[i + 1..].iter().flatten().copied().collect();
@@ -97,10 +96,17 @@ pub fn fill(scene: &Scene, solids: &[Solid], bodies: &[PosedMap]) -> Result<Part
     Ok(out)
 }
 
-fn check_total(sources: &[(String, DVec3, Vec<DVec3>)]) -> Result<(), Error> {
-    let total: usize = sources.iter().map(|(.., points)| points.len()).sum();
+/// A block or a fill.
+struct Source {
+    key: String,
+    velocity: DVec3,
+    points: Vec<DVec3>,
+}
+
+fn check_total(sources: &[Source]) -> Result<(), Error> {
+    let total: usize = sources.iter().map(|source| source.points.len()).sum();
     match sources.last() {
-        Some((key, ..)) if total as u64 > MAX_PARTICLES => Err(Error::Scene {
+        Some(Source { key, .. }) if total as u64 > MAX_PARTICLES => Err(Error::Scene {
             place: key.clone(),
             reason: format!("with this source there are {total} particles, more than {MAX_PARTICLES}"),
         }),
@@ -108,9 +114,9 @@ fn check_total(sources: &[(String, DVec3, Vec<DVec3>)]) -> Result<(), Error> {
     }
 }
 
-/// Points of a lattice about the map's middle that have room in the solid. Of the eight ways to put the
-/// middle on a point or between two, along each axis, the one that holds most is taken: a box of whole
-/// spacings is filled to its walls.
+/// Points of a lattice around the map's middle that have room in the solid. Along each axis the middle can lie on a
+/// point or between two. Of these eight lattices the one with most points is taken, so that a box of whole spacings
+/// is filled to its walls.
 fn fill_solid(fill: &Fill, solid: &Solid, rp: f64) -> Result<Vec<DVec3>, String> {
     let body = &solid.map;
     let grid = body.map.grid();
@@ -140,7 +146,7 @@ fn fill_solid(fill: &Fill, solid: &Solid, rp: f64) -> Result<Vec<DVec3>, String>
     Ok(best)
 }
 
-/// Those with their ball in the solid, or in what a container holds.
+/// The points whose particle fits into the solid, or into the hollow of a container.
 fn with_room(points: impl Iterator<Item = DVec3>, fill: &Fill, solid: &Solid, rp: f64) -> Vec<DVec3> {
     let mut points = points.filter(|&point| fill.within.is_none_or(|within| within.contains(point)));
     let (mut out, mut block, mut values) = (Vec::new(), Vec::new(), Vec::<Values>::new());
@@ -156,13 +162,13 @@ fn with_room(points: impl Iterator<Item = DVec3>, fill: &Fill, solid: &Solid, rp
     }
 }
 
-/// Whether a ball lies within the space that is filled; `distance` is the map's.
+/// Whether a particle fits into the space that is filled; `distance` is the map's.
 fn has_room(solid: &Solid, point: DVec3, distance: f64, rp: f64) -> bool {
     let side = if solid.map.map.exterior() == Exterior::Solid { 1.0 } else { -1.0 };
     let depth = side * distance;
     match &solid.mesh {
         Some(mesh) if depth.abs() < 2.0 * rp => {
-            // In the mesh is where either is filled: the solid, or what the container holds.
+            // Inside the mesh is the solid, or the hollow of a container: both are filled.
             let inside = -mesh.signed_distance(solid.map.pose.to_map(point));
             inside - side * solid.thickness >= rp * (1.0 - 1e-6)
         }

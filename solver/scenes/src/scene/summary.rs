@@ -1,4 +1,4 @@
-//! What is in a scene, for people and for programs.
+//! The contents of a scene, for people and as JSON.
 
 use super::body::{self, Motion};
 use super::map::Origin;
@@ -14,50 +14,62 @@ use volmap_fluid::lattice;
 use volmap_fluid::settings::BoundaryMethod;
 use volmap_formats::text::{bytes, thousands};
 
-/// The largest memory of a run over its particles, measured at 1 to 3 million (640 to 720: solver/BENCHMARKS.md); a run of
-/// few takes some 30 MB more.
+/// Peak memory of a run per particle, measured at 1 to 3 million particles (640 to 720: solver/BENCHMARKS.md). Each run
+/// takes some 30 MB more.
 const BYTES_PER_PARTICLE: u64 = 700;
-/// Seconds a particle and step, measured at 60 thousand to 3 million (0.75 to 1.25e-6: solver/BENCHMARKS.md) with
-/// [`ITERATIONS`] on two threads of one core of an AMD EPYC (Zen 3). Other scenes and machines are several times off.
+/// Seconds per particle and step, measured at 60 thousand to 3 million particles (0.75 to 1.25e-6:
+/// solver/BENCHMARKS.md) with [`ITERATIONS`] on two threads of one core of an AMD EPYC (Zen 3). Other scenes and
+/// machines are up to several times faster or slower.
 const SECONDS_PER_PARTICLE: f64 = 1e-6;
 /// Iterations of both solves together that `SECONDS_PER_PARTICLE` is for.
 const ITERATIONS: u32 = 8;
+/// In place of a number of particles.
+const UNKNOWN: &str = "particle count known after the map is baked";
 
-/// What is in a scene.
+/// The contents of a scene.
 #[derive(Clone, Debug, Serialize)]
-pub struct Summary {
+pub struct SceneSummary {
     /// The scene file.
     pub scene: String,
     /// Particle radius, metres.
     pub particle_radius: f64,
     /// Support radius, metres.
     pub support_radius: f64,
-    /// Kernel and boundary; of volume maps the closure, too.
+    /// Kernel and boundary method; with volume maps the closure as well.
     pub methods: Vec<String>,
-    /// Particles at the start, if they are known without any map.
+    /// Particles at the start. `None` if they are known only after a map is baked.
     pub particles: Option<u64>,
     /// Particles by source.
     pub sources: Vec<SourceFacts>,
     /// Bodies.
     pub bodies: Vec<BodyFacts>,
-    /// Estimate of the run's largest memory with the particles of the start, bytes; without maps that aren't opened.
+    /// Estimate of the run's peak memory with the particles of the start, bytes; without maps that aren't opened.
     pub memory: u64,
     /// Estimate of a step with the particles of the start and 8 iterations, on the two threads of one core that it was
     /// measured on, seconds.
     pub step_seconds: f64,
     /// Simulated seconds.
     pub end: f64,
-    /// What a careful person would look at.
+    /// What the user should look at.
     pub notes: Vec<String>,
 }
 
-/// What a source gives.
+/// A source of particles, briefly.
 #[derive(Clone, Debug, Serialize)]
 pub struct SourceFacts {
-    /// Particles, if they are known; of a nozzle those of a layer.
+    /// Particles, if they are known; of an emitter those of a layer.
     pub particles: Option<u64>,
-    /// In words.
+    /// Key and file of the source.
     pub text: String,
+    /// Whether the text tells the particles as well.
+    #[serde(skip)]
+    pub is_complete: bool,
+}
+
+impl SourceFacts {
+    fn new(particles: Option<u64>, text: String) -> SourceFacts {
+        SourceFacts { particles, text, is_complete: false }
+    }
 }
 
 /// A body, briefly.
@@ -69,9 +81,9 @@ pub struct BodyFacts {
     pub file: String,
     /// How it moves.
     pub motion: &'static str,
-    /// Particles on its surface, with particle boundaries, once its mesh is read.
+    /// Boundary particles on its surface, if the method has them and the mesh was read.
     pub boundary_particles: Option<u64>,
-    /// Its map, once it is opened.
+    /// Its map, if it was opened.
     pub map: Option<MapFacts>,
 }
 
@@ -86,20 +98,20 @@ pub struct MapFacts {
     pub memory: u64,
 }
 
-/// Reads a scene and tells what is in it; opens no map and bakes nothing.
+/// Reads a scene and sums up its contents. Opens no map and bakes nothing.
 ///
 /// # Errors
 /// As [`load`].
-pub fn info(path: &Path) -> Result<Summary, Error> {
+pub fn info(path: &Path) -> Result<SceneSummary, Error> {
     let scene = load(path)?;
     let mut out = outline(&scene, path);
     for (i, block) in scene.blocks.iter().enumerate() {
         let particles = lattice::counts(block.region().corners(), scene.spacing()).iter().product();
-        out.sources.push(SourceFacts { particles: Some(particles), text: format!("blocks[{i}]") });
+        out.sources.push(SourceFacts::new(Some(particles), format!("blocks[{i}]")));
     }
     for (i, fill) in scene.fills.iter().enumerate() {
         let file = fill.source().map(|source| source.path().display().to_string()).unwrap_or_default();
-        out.sources.push(SourceFacts { particles: None, text: format!("fills[{i}], {file}") });
+        out.sources.push(SourceFacts::new(None, format!("fills[{i}], {file}")));
     }
     let counts: Vec<u64> = out.sources.iter().filter_map(|source| source.particles).collect();
     out.particles = scene.fills.is_empty().then(|| counts.iter().sum());
@@ -108,21 +120,20 @@ pub fn info(path: &Path) -> Result<Summary, Error> {
     Ok(out)
 }
 
-/// Reads a scene, opens or bakes its maps and places its particles: whatever a run could refuse is told here.
+/// Reads a scene, opens or bakes its maps and places its particles. What a run would refuse is an error here.
 ///
 /// # Errors
 /// As [`load`] and [`prepare()`].
-pub fn check(path: &Path, on_bake: &mut dyn FnMut(&Path)) -> Result<Summary, Error> {
+pub fn check(path: &Path, on_bake: &mut dyn FnMut(&Path)) -> Result<SceneSummary, Error> {
     let scene = load(path)?;
     let prepared = prepare(&scene, on_bake)?;
     Ok(summarize(&scene, &prepared, path))
 }
 
 /// The summary of a scene that is prepared.
-pub fn summarize(scene: &Scene, prepared: &Prepared, path: &Path) -> Summary {
+pub fn summarize(scene: &Scene, prepared: &Prepared, path: &Path) -> SceneSummary {
     let mut out = outline(scene, path);
-    let count =
-        |count: &SourceCount| SourceFacts { particles: Some(count.particles), text: count.key.clone() };
+    let count = |count: &SourceCount| SourceFacts::new(Some(count.particles), count.key.clone());
     out.sources = prepared.particles.counts.iter().map(count).collect();
     let total = prepared.particles.positions.len() as u64;
     out.particles = Some(total);
@@ -148,7 +159,7 @@ pub fn summarize(scene: &Scene, prepared: &Prepared, path: &Path) -> Summary {
     out
 }
 
-fn outline(scene: &Scene, path: &Path) -> Summary {
+fn outline(scene: &Scene, path: &Path) -> SceneSummary {
     let body = |(body, name): (&body::Body, String)| BodyFacts {
         name,
         file: body.source().map(|source| source.path().display().to_string()).unwrap_or_default(),
@@ -161,7 +172,7 @@ fn outline(scene: &Scene, path: &Path) -> Summary {
         boundary_particles: None,
         map: None,
     };
-    Summary {
+    SceneSummary {
         scene: path.display().to_string(),
         particle_radius: scene.particle_radius,
         support_radius: scene.support_radius(),
@@ -188,13 +199,13 @@ fn methods(scene: &Scene) -> Vec<String> {
     methods
 }
 
-impl Summary {
+impl SceneSummary {
     fn add_emitters(&mut self, scene: &Scene) {
         for (i, settings) in scene.emitters.iter().enumerate() {
             let layer = nozzle::emitter(settings, scene.particle_radius).layer().len() as u64;
             let rate = layer as f64 * settings.speed / scene.spacing();
-            let text = format!("emitters[{i}]: {layer} a layer, {rate:.0} a second");
-            self.sources.push(SourceFacts { particles: Some(layer), text });
+            let text = format!("emitters[{i}]: {layer} particles per layer, {rate:.0} per second");
+            self.sources.push(SourceFacts { particles: Some(layer), text, is_complete: true });
         }
     }
 
@@ -204,45 +215,62 @@ impl Summary {
     }
 }
 
-impl Display for Summary {
+impl Display for SceneSummary {
     fn fmt(&self, f: &mut Formatter) -> fmt::Result {
         writeln!(f, "scene      {}", self.scene)?;
-        let words = ["kernel", "boundary", "closure"].iter().zip(&self.methods);
-        writeln!(
-            f,
-            "particles  {} of radius {} m, support radius {} m, {}",
-            self.particles.map_or("some".into(), thousands),
-            self.particle_radius,
-            self.support_radius,
-            words.map(|(word, method)| format!("{word} {method}")).collect::<Vec<_>>().join(", ")
-        )?;
-        for source in &self.sources {
-            match source.particles {
-                _ if source.text.starts_with("emitters") => writeln!(f, "           {}", source.text)?,
-                Some(particles) => writeln!(f, "           {}: {}", source.text, thousands(particles))?,
-                None => writeln!(f, "           {}: known once its map is", source.text)?,
-            }
-        }
+        self.fmt_particles(f)?;
         for (i, body) in self.bodies.iter().enumerate() {
             let label = if i == 0 { "bodies" } else { "" };
-            write!(f, "{label:10} {}: {}, {}", body.name, body.motion, body.file)?;
-            if let Some(count) = body.boundary_particles {
-                write!(f, "; {} boundary particles", thousands(count))?;
-            }
-            match &body.map {
-                Some(MapFacts { origin, resolution: [x, y, z], memory }) => {
-                    writeln!(f, "; {origin}, {x} x {y} x {z} cells, {}", bytes(*memory))?;
-                }
-                None => writeln!(f)?,
-            }
+            writeln!(f, "{label:10} {body}")?;
         }
-        let step = 1e3 * self.step_seconds;
+        let (memory, step) = (bytes(self.memory), 1e3 * self.step_seconds);
         writeln!(
             f,
-            "cost       about {} of memory, {step:.0} ms a step of {ITERATIONS} iterations on two threads of one core",
-            bytes(self.memory)
+            "cost       about {memory} of memory; {step:.0} ms per step of {ITERATIONS} iterations on two threads"
         )?;
         write!(f, "end        {} s", self.end)?;
         self.notes.iter().try_for_each(|note| write!(f, "\nnote       {note}"))
+    }
+}
+
+impl SceneSummary {
+    fn fmt_particles(&self, f: &mut Formatter) -> fmt::Result {
+        let words = ["kernel", "boundary", "closure"].iter().zip(&self.methods);
+        let methods: Vec<String> = words.map(|(word, method)| format!("{word} {method}")).collect();
+        let count = match self.particles {
+            Some(count) => thousands(count),
+            None => UNKNOWN.into(),
+        };
+        writeln!(
+            f,
+            "particles  {count}; radius {} m, support radius {} m, {}",
+            self.particle_radius,
+            self.support_radius,
+            methods.join(", ")
+        )?;
+        self.sources.iter().try_for_each(|source| writeln!(f, "           {source}"))
+    }
+}
+
+impl Display for SourceFacts {
+    fn fmt(&self, f: &mut Formatter) -> fmt::Result {
+        match self.particles {
+            _ if self.is_complete => write!(f, "{}", self.text),
+            Some(particles) => write!(f, "{}: {}", self.text, thousands(particles)),
+            None => write!(f, "{}: {UNKNOWN}", self.text),
+        }
+    }
+}
+
+impl Display for BodyFacts {
+    fn fmt(&self, f: &mut Formatter) -> fmt::Result {
+        write!(f, "{}: {}, {}", self.name, self.motion, self.file)?;
+        if let Some(count) = self.boundary_particles {
+            write!(f, "; {} boundary particles", thousands(count))?;
+        }
+        if let Some(MapFacts { origin, resolution: [x, y, z], memory }) = &self.map {
+            write!(f, "; {origin}, {x} x {y} x {z} cells, {}", bytes(*memory))?;
+        }
+        Ok(())
     }
 }

@@ -4,6 +4,7 @@ use super::pictures::keep;
 use super::scene::{NAME, Scene, duck, world};
 use std::path::Path;
 use volmap_formats::mesh::{MeshFormat, read_mesh_bytes};
+use volmap_scenes::output::bodies::BodyMesh;
 use volmap_scenes::output::folder::Start;
 use volmap_scenes::output::particles::ParticleFormat;
 use volmap_scenes::output::picture::PictureSettings;
@@ -18,7 +19,8 @@ fn settings() -> FolderSettings {
 }
 
 fn open(folder: &Path, start: Option<Start>) -> Output {
-    Output::open(folder, &settings(), world(), &[(NAME, &duck())], start).unwrap()
+    Output::open(folder, &settings(), world(), &[BodyMesh { name: NAME.into(), mesh: duck().into() }], start)
+        .unwrap()
 }
 
 /// Frames at steps 0, 4, 8 and so on.
@@ -57,7 +59,7 @@ fn a_run_that_goes_on_leaves_the_same_files() {
     simulate(&mut output, 0, 12);
     let summary = output.finish().unwrap();
     assert_eq!((summary.steps, summary.particles, output.frames()), (12, 10, 4));
-    // Killed after step 9 and frame 8; the check-point is that of step 6.
+    // Killed after step 9 and frame 8; the checkpoint is that of step 6.
     let mut output = open(parts.path(), None);
     simulate(&mut output, 0, 9);
     drop(output);

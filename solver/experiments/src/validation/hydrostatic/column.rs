@@ -12,10 +12,10 @@ use volmap_runtime::{ClosureKind, DVec3};
 
 /// Half of the tank's edge.
 pub const HALF_WIDTH: f64 = 0.5;
-/// What is averaged is averaged over this much time at the end, seconds.
+/// Time at the end over which figures are averaged, seconds.
 const WINDOW: f64 = 1.0;
 
-/// What is simulated.
+/// A simulation of a column.
 #[derive(Clone, Debug)]
 pub struct Column {
     /// Particle radius rp.
@@ -32,11 +32,11 @@ pub struct Column {
     pub largest_step: f64,
     /// Where the particles begin: lowest and highest corner, metres.
     pub block: [DVec3; 2],
-    /// Seconds.
+    /// End of the simulation, seconds.
     pub end: f64,
 }
 
-/// What is measured.
+/// Measurements at rest.
 #[derive(Clone, Debug, Default)]
 pub struct Rest {
     /// Particles.
@@ -57,12 +57,12 @@ pub struct Rest {
     pub density: f64,
     /// Height and mean pressure (Pa) of slices as thick as a layer, in the last second.
     pub pressures: Vec<[f64; 2]>,
-    /// Pressure at the floor (Pa) and its slope with the height (Pa/m), of the line through `pressures` without the first
-    /// layer and the last, which have a wall or nothing beside them.
+    /// Pressure at the floor (Pa) and its slope with the height (Pa/m), of the line through `pressures` without the
+    /// first layer and the last, which have a wall or nothing beside them.
     pub line: [f64; 2],
     /// Time and kinetic energy (J).
     pub energies: Vec<[f64; 2]>,
-    /// Way of the centre of mass in the second half.
+    /// Drift of the centre of mass in the second half.
     pub drift: f64,
     /// Means per step of the iterations of the density and the divergence solve in the last second.
     pub iterations: [f64; 2],
@@ -149,7 +149,7 @@ fn first_layer(distances: &[f64], radius: f64) -> (f64, usize) {
     (percentile(&sorted, 0.5), sorted.len())
 }
 
-/// Sums over the last steps, for each particle by its name.
+/// Sums over the last steps, for each particle by its id.
 struct Window {
     steps: usize,
     /// Height, pressure, square of the speed.
@@ -209,7 +209,7 @@ fn slices(means: &[[f64; 3]], radius: f64) -> Vec<[f64; 2]> {
         let sum = &mut sums[slice(height)];
         *sum = [sum[0] + height, sum[1] + pressure, sum[2] + 1.0];
     }
-    // A slice of a few particles is splashes.
+    // Slices of a few particles hold splashes.
     let full = sums.into_iter().filter(|sum| sum[2] >= 20.0);
     full.map(|[height, pressure, count]| [height / count, pressure / count]).collect()
 }
