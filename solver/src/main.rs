@@ -3,6 +3,7 @@
 mod args;
 mod message;
 mod run;
+mod signals;
 
 use anyhow::Result;
 use args::{Arguments, Command};
@@ -19,7 +20,7 @@ fn main() -> ExitCode {
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {}", message::of(&error));
-            ExitCode::FAILURE
+            if message::is_cancelled(&error) { signals::STOPPED.into() } else { ExitCode::FAILURE }
         }
     }
 }

@@ -11,6 +11,12 @@ pub fn of(error: &anyhow::Error) -> String {
     }
 }
 
+/// Whether a command ended because it was asked to, without a result.
+pub fn is_cancelled(error: &anyhow::Error) -> bool {
+    let scene = error.downcast_ref().is_some_and(Error::is_cancelled);
+    scene || error.downcast_ref().is_some_and(volmap_fluid::Error::is_cancelled)
+}
+
 /// The libraries name settings; here are their options.
 fn cure(error: &Error) -> Option<&'static str> {
     match error {

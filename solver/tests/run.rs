@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::Duration;
 use tempfile::TempDir;
-use volmap_scenes::session::{RunSettings, Session};
+use volmap_bake::watch::Watch;
+use volmap_scenes::session::{Progress, RunSettings, Session};
 
 /// Water and a jet in a tank of 1 m, with a cube that floats; two blocks overlap.
 const SCENE: &str = r#"
@@ -301,10 +302,24 @@ fn a_run_is_done_at_its_end_and_not_before() {
     );
     let settings = RunSettings { steps: Some(3), ..RunSettings::default() };
     let path = place.folder("scene.toml");
-    let mut session = Session::open(&path, &place.folder("out"), &settings, &mut |_| ()).unwrap();
-    session.run(&mut |progress| progress.step.statistics.step < 2).unwrap();
+    let mut session =
+        Session::open(&path, &place.folder("out"), &settings, &Watch::default(), &mut |_| ()).unwrap();
+    let stop_after = |step: u64| {
+        let watch = Watch::default();
+        let cancel = watch.cancel().clone();
+        let on_step = move |progress: &Progress| {
+            if progress.step.statistics.step == step {
+                cancel.cancel();
+            }
+        };
+        (watch, on_step)
+    };
+    let (watch, mut on_step) = stop_after(2);
+    session.run(&watch, &mut on_step).unwrap();
+    assert_eq!(session.simulation().steps(), 2);
     assert!(!session.is_done());
-    session.run(&mut |progress| progress.step.statistics.step < 3).unwrap();
+    let (watch, mut on_step) = stop_after(3);
+    session.run(&watch, &mut on_step).unwrap();
     assert!(session.is_done());
 }
 

@@ -1,5 +1,7 @@
 //! What can go wrong in a simulation.
 
+use volmap_bake::watch::Cancelled;
+
 /// Why a simulation can't begin or go on.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
@@ -17,6 +19,9 @@ pub enum Error {
     /// A volume map can't be opened.
     #[error(transparent)]
     Map(#[from] volmap_runtime::Error),
+    /// The work was asked to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
     /// The simulation stopped, because what it computes is no fluid any more.
     #[error("step {step}, t = {time:.5} s: {reason}")]
     Simulation {
@@ -27,4 +32,15 @@ pub enum Error {
         /// What happened and the cure.
         reason: String,
     },
+}
+
+impl Error {
+    /// Whether the work ended because it was asked to.
+    pub fn is_cancelled(&self) -> bool {
+        match self {
+            Error::Cancelled(_) => true,
+            Error::Bake(error) => error.is_cancelled(),
+            _ => false,
+        }
+    }
 }

@@ -8,6 +8,7 @@
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
+use volmap_bake::watch::Watch;
 use volmap_scenes::output::{RunSummary, StepStatistics};
 use volmap_scenes::session::{RunSettings, Session};
 
@@ -50,7 +51,7 @@ pub fn run(
     on_frame: &mut dyn FnMut(&FrameTold),
 ) -> Result<RunSummary, volmap_scenes::Error> {
     let mut on_bake = |mesh: &Path| println!("baking {}", mesh.display());
-    let mut session = Session::open(scene, folder, settings, &mut on_bake)?;
+    let mut session = Session::open(scene, folder, settings, &Watch::default(), &mut on_bake)?;
     while !session.is_done() {
         let step = session.step()?;
         if let Some(number) = step.frame {

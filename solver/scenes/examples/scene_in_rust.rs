@@ -7,6 +7,7 @@
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
+use volmap_bake::watch::Watch;
 use volmap_fluid::shapes::cuboid;
 use volmap_fluid::simulation::Simulation;
 use volmap_formats::export::ply;
@@ -48,7 +49,8 @@ pub fn scene(folder: &Path) -> Result<Scene, Box<dyn Error>> {
 
 /// Height of the second body after every tenth of a second until a time, seconds.
 pub fn heights(scene: &Scene, end: f64) -> Result<Vec<f64>, volmap_scenes::Error> {
-    let prepared = prepare(scene, &mut |mesh| println!("baking {}", mesh.display()))?;
+    let mut on_bake = |mesh: &Path| println!("baking {}", mesh.display());
+    let prepared = prepare(scene, &Watch::default(), &mut on_bake)?;
     let mut simulation = Simulation::new(assemble(scene, prepared)?)?;
     let mut heights = Vec::new();
     while simulation.time() < end {

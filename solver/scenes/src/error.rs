@@ -1,6 +1,7 @@
 //! What can go wrong with a scene or its run.
 
 use std::path::PathBuf;
+use volmap_bake::watch::Cancelled;
 
 /// Why a scene can't be run, or a run can't go on.
 #[derive(Debug, thiserror::Error)]
@@ -24,6 +25,9 @@ pub enum Error {
     /// A mesh can't be read or baked.
     #[error(transparent)]
     Bake(#[from] volmap_bake::Error),
+    /// The work was asked to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
     /// A volume map can't be opened.
     #[error(transparent)]
     Map(#[from] volmap_runtime::Error),
@@ -54,4 +58,16 @@ pub enum Error {
         /// What is wrong and the cure.
         reason: String,
     },
+}
+
+impl Error {
+    /// Whether the work ended because it was asked to.
+    pub fn is_cancelled(&self) -> bool {
+        match self {
+            Error::Cancelled(_) => true,
+            Error::Bake(error) => error.is_cancelled(),
+            Error::Simulation(error) => error.is_cancelled(),
+            _ => false,
+        }
+    }
 }

@@ -32,13 +32,15 @@
 //!
 //! ```
 //! # use volmap_scenes::scene::{self, Block, Scene};
+//! use volmap_bake::watch::Watch;
 //! use volmap_fluid::simulation::Simulation;
 //! use volmap_scenes::assemble::assemble;
 //!
 //! # fn main() -> Result<(), volmap_scenes::Error> {
 //! # let block = Block { min: [0.0; 3], max: [0.5; 3], velocity: [0.0; 3] };
 //! # let scene = Scene { particle_radius: 0.05, blocks: vec![block], ..Scene::default() };
-//! let prepared = scene::prepare(&scene, &mut |mesh| println!("baking {}", mesh.display()))?;
+//! let watch = Watch::default();
+//! let prepared = scene::prepare(&scene, &watch, &mut |mesh| println!("baking {}", mesh.display()))?;
 //! let mut simulation = Simulation::new(assemble(&scene, prepared)?)?;
 //! let report = simulation.step()?;
 //! assert_eq!(simulation.particles().len(), 125);
@@ -50,7 +52,8 @@
 //! # A run
 //!
 //! A [`session::Session`] simulates into a folder: frames, pictures, statistics and checkpoints. The package's
-//! `examples/` has a program that runs a scene file and looks at each frame.
+//! `examples/` has a program that runs a scene file and looks at each frame. A [`Watch`](volmap_bake::watch::Watch) stops
+//! it from another thread: it ends after the step, with a checkpoint.
 //!
 //! # Guarantees
 //!

@@ -16,6 +16,7 @@ use crate::scene::{self, Scene};
 use contents::{body_frames, body_meshes, folder_settings, picture_world};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
+use volmap_bake::watch::Watch;
 use volmap_fluid::simulation::Simulation;
 
 /// How a run begins and ends.
@@ -88,24 +89,27 @@ impl Session {
         path: &Path,
         folder: &Path,
         settings: &RunSettings,
+        watch: &Watch,
         on_bake: &mut dyn FnMut(&Path),
     ) -> Result<Session, Error> {
-        Session::new(scene::load(path)?, folder, settings, on_bake)
+        Session::new(scene::load(path)?, folder, settings, watch, on_bake)
     }
 
     /// Bakes the meshes that aren't baked, opens the folder, and writes the first frame or reads the checkpoint.
     /// `on_bake` is called with each mesh before it is baked.
     ///
     /// # Errors
-    /// A scene, mesh, map or checkpoint that can't be used; [`Error::RunExists`] and [`Error::NoCheckpoint`].
+    /// A scene, mesh, map or checkpoint that can't be used; [`Error::RunExists`] and [`Error::NoCheckpoint`];
+    /// [`Error::Cancelled`] if the bakes were stopped.
     pub fn new(
         scene: Scene,
         folder: &Path,
         settings: &RunSettings,
+        watch: &Watch,
         on_bake: &mut dyn FnMut(&Path),
     ) -> Result<Session, Error> {
         refuse_to_replace(folder, settings.begin)?;
-        let prepared = scene::prepare(&scene, on_bake)?;
+        let prepared = scene::prepare(&scene, watch, on_bake)?;
         let notes = prepared.notes.clone();
         let identity = Identity::new(&scene, prepared.files.clone());
         let meshes = body_meshes(&prepared.bodies);
@@ -131,22 +135,20 @@ impl Session {
         Ok(session)
     }
 
-    /// Simulates until the end, or until `go_on` returns false, and finishes. `go_on` is called after each step.
+    /// Simulates until the end, or until the watch is cancelled, and finishes either way: a run that was stopped has its
+    /// checkpoint, and [`Session::is_done`] is false. `on_step` is called after each step.
     ///
     /// # Errors
     /// As [`Session::step`] and [`Session::finish`].
-    pub fn run(&mut self, go_on: &mut dyn FnMut(&Progress) -> bool) -> Result<RunSummary, Error> {
-        while !self.is_done() {
+    pub fn run(&mut self, watch: &Watch, on_step: &mut dyn FnMut(&Progress)) -> Result<RunSummary, Error> {
+        while !self.is_done() && watch.check().is_ok() {
             let step = self.step()?;
-            let progress = Progress {
+            on_step(&Progress {
                 step: &step,
                 simulation: &self.simulation,
                 end: self.end,
                 last_step: self.last_step,
-            };
-            if !go_on(&progress) {
-                break;
-            }
+            });
         }
         self.finish()
     }

@@ -47,7 +47,7 @@ fn scene(boundary: BoundaryMethod, pressure: BoundaryPressure, bodies: Vec<Body>
 }
 
 fn simulation(scene: &Scene) -> Simulation {
-    Simulation::new(assemble(scene, prepare(scene, &mut |_| ()).unwrap()).unwrap()).unwrap()
+    Simulation::new(assemble(scene, prepare(scene, &Default::default(), &mut |_| ()).unwrap()).unwrap()).unwrap()
 }
 
 /// 9 x 5 x 9 particles in a tank of a metre, which begin a spacing from its walls.
@@ -68,7 +68,7 @@ fn collision(boundary: BoundaryMethod, pressure: BoundaryPressure) -> Scene {
 /// What the middle of a tank's floor adds at a height, over rho_0, and its gradient.
 fn of_floor(method: BoundaryMethod, height: f64) -> (f64, DVec3) {
     let scene = tank(method, Own);
-    let setup = assemble(&scene, prepare(&scene, &mut |_| ()).unwrap()).unwrap();
+    let setup = assemble(&scene, prepare(&scene, &Default::default(), &mut |_| ()).unwrap()).unwrap();
     let mut boundary = Boundary::new(&setup.world, &setup.fluid, &setup.bodies).unwrap();
     boundary.sample_alone(&setup.bodies, &[DVec3::new(0.02, height, -0.03)]);
     let wall = boundary.of_particle[0];
@@ -236,7 +236,7 @@ fn threads_change_nothing() {
 
 #[test]
 fn boundary_particles_are_counted() {
-    let prepared = prepare(&tank(Particles, Own), &mut |_| ()).unwrap();
+    let prepared = prepare(&tank(Particles, Own), &Default::default(), &mut |_| ()).unwrap();
     // 6 m^2 at 0.075 m.
     assert_eq!(prepared.bodies[0].boundary_particles, Some(1067));
     assert_eq!(simulation(&tank(Particles, Own)).boundary_particles(), 1067);
@@ -272,12 +272,12 @@ fn settings_that_contradict_are_refused() {
 fn maps_without_the_density_of_the_kernel_are_refused() {
     // Any asset that was baked for another boundary.
     let volume = tank(VolumeMap, Own);
-    let setup = assemble(&volume, prepare(&volume, &mut |_| ()).unwrap()).unwrap();
+    let setup = assemble(&volume, prepare(&volume, &Default::default(), &mut |_| ()).unwrap()).unwrap();
     let world = Scene { boundary: DensityMap, ..volume }.world();
     let error = Boundary::new(&world, &setup.fluid, &setup.bodies).unwrap_err().to_string();
     assert!(error.contains("tank") && error.contains("it holds no density"), "{error}");
     let density = tank(DensityMap, Own);
-    let setup = assemble(&density, prepare(&density, &mut |_| ()).unwrap()).unwrap();
+    let setup = assemble(&density, prepare(&density, &Default::default(), &mut |_| ()).unwrap()).unwrap();
     let world = Scene { kernel: volmap_runtime::KernelKind::WendlandC2, ..density }.world();
     let error = Boundary::new(&world, &setup.fluid, &setup.bodies).unwrap_err().to_string();
     assert!(error.contains("cubic_spline, the scene's is wendland_c2"), "{error}");
@@ -287,11 +287,11 @@ fn maps_without_the_density_of_the_kernel_are_refused() {
 fn assets_without_a_density_are_refused_with_the_cure() {
     let folder = tempfile::tempdir().unwrap();
     let wide = Some(ClosureKind::Calibrated);
-    prepare(&Scene { cache: Some(folder.path().into()), closure: wide, ..tank(VolumeMap, Own) }, &mut |_| ())
+    prepare(&Scene { cache: Some(folder.path().into()), closure: wide, ..tank(VolumeMap, Own) }, &Default::default(), &mut |_| ())
         .unwrap();
     let map = std::fs::read_dir(folder.path()).unwrap().next().unwrap().unwrap().path();
     let scene = scene(DensityMap, Own, vec![Body { map: Some(map), ..Body::default() }]);
-    let error = prepare(&scene, &mut |_| ()).unwrap_err().to_string();
+    let error = prepare(&scene, &Default::default(), &mut |_| ()).unwrap_err().to_string();
     assert!(error.starts_with("bodies[0].map") && error.contains("it holds no density"), "{error}");
     assert!(error.contains("--support-radius 0.2 --invert --density --kernel cubic_spline"), "{error}");
 }

@@ -36,7 +36,7 @@ fn scene(bodies: Vec<Body>) -> Scene {
 }
 
 fn setup(scene: &Scene) -> Setup {
-    assemble(scene, prepare(scene, &mut |_| ()).unwrap()).unwrap()
+    assemble(scene, prepare(scene, &Default::default(), &mut |_| ()).unwrap()).unwrap()
 }
 
 fn block(min: DVec3, counts: [u32; 3]) -> Vec<DVec3> {

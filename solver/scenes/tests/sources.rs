@@ -32,7 +32,7 @@ fn scene(cache: &TempDir) -> Scene {
 }
 
 fn run(scene: &Scene) -> Result<Prepared, String> {
-    prepare(scene, &mut |_| ()).map_err(|error| error.to_string())
+    prepare(scene, &Default::default(), &mut |_| ()).map_err(|error| error.to_string())
 }
 
 fn cube(min: [f64; 3], edge: f64) -> Block {
@@ -188,14 +188,14 @@ fn maps_are_baked_once_and_shared() {
     let bodies = vec![body(tank(false)), body(tank(false)), around];
     let scene = Scene { bodies, blocks, ..scene(&cache) };
     let mut baked = 0;
-    let first = prepare(&scene, &mut |_| baked += 1).unwrap();
+    let first = prepare(&scene, &Default::default(), &mut |_| baked += 1).unwrap();
     assert!(Arc::ptr_eq(&first.bodies[0].map, &first.bodies[1].map));
     assert!(!Arc::ptr_eq(&first.bodies[0].map, &first.bodies[2].map));
     assert_eq!(
         first.bodies.iter().map(|body| body.name.as_str()).collect::<Vec<_>>(),
         ["tank", "tank 2", "tank 3"]
     );
-    let again = prepare(&scene, &mut |_| baked += 1).unwrap();
+    let again = prepare(&scene, &Default::default(), &mut |_| baked += 1).unwrap();
     assert_eq!((baked, again.bodies[0].origin, again.bodies[2].origin), (2, Origin::Cache, Origin::Cache));
     let at = DVec3::new(0.1, 0.97, 0.2);
     assert_eq!(first.bodies[0].map.sample(at), again.bodies[0].map.sample(at));
@@ -204,9 +204,9 @@ fn maps_are_baked_once_and_shared() {
     for file in std::fs::read_dir(cache.path().join("maps")).unwrap() {
         std::fs::write(file.unwrap().path(), b"damage").unwrap();
     }
-    let repaired = prepare(&scene, &mut |_| baked += 1).unwrap();
+    let repaired = prepare(&scene, &Default::default(), &mut |_| baked += 1).unwrap();
     assert_eq!((baked, repaired.bodies[0].origin), (4, Origin::Baked));
-    prepare(&Scene { particle_radius: 0.03, ..scene.clone() }, &mut |_| baked += 1).unwrap();
+    prepare(&Scene { particle_radius: 0.03, ..scene.clone() }, &Default::default(), &mut |_| baked += 1).unwrap();
     assert_eq!(baked, 6);
 }
 

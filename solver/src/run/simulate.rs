@@ -3,10 +3,9 @@
 use super::progress::ProgressLine;
 use super::{baking, set_threads};
 use crate::args::RunArguments;
-use anyhow::{Context, Result};
+use crate::signals;
+use anyhow::{Result, bail};
 use std::path::Path;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use volmap_formats::text::{duration, number, percent, thousands};
 use volmap_scenes::output::RunSummary;
 use volmap_scenes::session::{Begin, RunSettings, Session};
@@ -16,23 +15,21 @@ pub fn run_simulate(arguments: &RunArguments) -> Result<()> {
     set_threads(arguments.threads)?;
     let quiet = arguments.quiet;
     let mut on_bake = |mesh: &Path| baking(mesh, quiet);
-    let mut session = Session::open(&arguments.scene, &arguments.output, &settings(arguments), &mut on_bake)?;
+    let watch = signals::watch()?;
+    let settings = settings(arguments);
+    let mut session = Session::open(&arguments.scene, &arguments.output, &settings, &watch, &mut on_bake)?;
     if !quiet {
         print_notes(&session);
     }
-    let stop = stop_on_signal()?;
     let mut line = ProgressLine::new(quiet);
-    let summary = session.run(&mut |progress| {
-        line.show(progress);
-        !stop.load(Ordering::Relaxed)
-    })?;
+    let summary = session.run(&watch, &mut |progress| line.show(progress))?;
     line.finish();
     if !quiet {
         print_summary(&summary, &arguments.output);
     }
     // A signal in the last step stops nothing.
     if !session.is_done() {
-        anyhow::bail!("stopped; --resume continues from here");
+        bail!("stopped; --resume continues from here");
     }
     Ok(())
 }
@@ -44,14 +41,6 @@ fn settings(arguments: &RunArguments) -> RunSettings {
         _ => Begin::New,
     };
     RunSettings { begin, steps: arguments.steps, until: arguments.until }
-}
-
-/// Ctrl-C ends a run after its step, with a checkpoint.
-fn stop_on_signal() -> Result<Arc<AtomicBool>> {
-    let stop = Arc::new(AtomicBool::new(false));
-    let flag = stop.clone();
-    ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed)).context("Ctrl-C")?;
-    Ok(stop)
 }
 
 fn print_notes(session: &Session) {

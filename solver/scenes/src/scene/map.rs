@@ -11,6 +11,7 @@ use volmap_bake::input::Input;
 use volmap_bake::parameters::{DensityKernel, Group, Parameters};
 use volmap_bake::plan::GridChoice;
 use volmap_bake::recipe::Recipe;
+use volmap_bake::watch::Watch;
 use volmap_fluid::boundary::density_map;
 use volmap_fluid::settings::{BoundaryMethod, World};
 use volmap_formats::asset::{self, Exterior};
@@ -60,6 +61,7 @@ pub struct Library<'a> {
     shapes: Vec<(String, Shape)>,
     /// What went wrong without harm.
     pub notes: Vec<String>,
+    watch: &'a Watch,
     on_bake: &'a mut dyn FnMut(&Path),
 }
 
@@ -75,7 +77,12 @@ pub fn default_cache() -> PathBuf {
 impl<'a> Library<'a> {
     /// Nothing opened yet; maps are those that the world's boundary method takes, and kept in `cache`. `on_bake` is called
     /// with the mesh before each bake, which may take seconds.
-    pub fn new(world: &World, cache: PathBuf, on_bake: &'a mut dyn FnMut(&Path)) -> Library<'a> {
+    pub fn new(
+        world: &World,
+        cache: PathBuf,
+        watch: &'a Watch,
+        on_bake: &'a mut dyn FnMut(&Path),
+    ) -> Library<'a> {
         let density = (world.boundary == BoundaryMethod::DensityMap).then_some(world.kernel);
         let closure = world.map_closure();
         Library {
@@ -87,6 +94,7 @@ impl<'a> Library<'a> {
             cache,
             shapes: Vec::new(),
             notes: Vec::new(),
+            watch,
             on_bake,
         }
     }
@@ -245,6 +253,7 @@ impl<'a> Library<'a> {
         input: Input,
         recipe: &Recipe,
     ) -> Result<VolumeMap, Error> {
+        self.watch.check()?;
         (self.on_bake)(path);
         let baked =
             bake(input, &recipe.bake, &Default::default()).map_err(|error| cannot_bake(path, error))?;

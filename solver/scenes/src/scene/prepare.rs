@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use volmap_bake::mesh::diagnose;
 use volmap_bake::sdf::{MeshDistance, SignMethod};
+use volmap_bake::watch::Watch;
 use volmap_fluid::boundary::particles;
 use volmap_fluid::emitter::Emitter;
 use volmap_fluid::settings::BoundaryMethod;
@@ -71,11 +72,12 @@ impl PreparedBody {
 /// baked.
 ///
 /// # Errors
-/// A value that can't be used, a file that is missing or damaged, a map of another support radius, no fluid.
-pub fn prepare(scene: &Scene, on_bake: &mut dyn FnMut(&Path)) -> Result<Prepared, Error> {
+/// A value that can't be used, a file that is missing or damaged, a map of another support radius, no fluid;
+/// [`Error::Cancelled`] if a bake was stopped.
+pub fn prepare(scene: &Scene, watch: &Watch, on_bake: &mut dyn FnMut(&Path)) -> Result<Prepared, Error> {
     scene.validate()?;
     let cache = scene.cache.clone().unwrap_or_else(default_cache);
-    let mut library = Library::new(&scene.world(), cache, on_bake);
+    let mut library = Library::new(&scene.world(), cache, watch, on_bake);
     let mut files = Vec::new();
     let bodies = prepare_bodies(scene, &mut library, &mut files)?;
     let solids = prepare_solids(scene, &mut library, &mut files)?;

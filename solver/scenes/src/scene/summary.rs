@@ -10,6 +10,7 @@ use crate::error::Error;
 use serde::Serialize;
 use std::fmt::{self, Display, Formatter};
 use std::path::Path;
+use volmap_bake::watch::Watch;
 use volmap_fluid::lattice;
 use volmap_fluid::settings::BoundaryMethod;
 use volmap_formats::text::{bytes, thousands};
@@ -124,9 +125,9 @@ pub fn info(path: &Path) -> Result<SceneSummary, Error> {
 ///
 /// # Errors
 /// As [`load`] and [`prepare()`].
-pub fn check(path: &Path, on_bake: &mut dyn FnMut(&Path)) -> Result<SceneSummary, Error> {
+pub fn check(path: &Path, watch: &Watch, on_bake: &mut dyn FnMut(&Path)) -> Result<SceneSummary, Error> {
     let scene = load(path)?;
-    let prepared = prepare(&scene, on_bake)?;
+    let prepared = prepare(&scene, watch, on_bake)?;
     Ok(summarize(&scene, &prepared, path))
 }
 
