@@ -10,10 +10,12 @@
 //! seconds.
 //!
 //! ```no_run
+//! use volmap_bake::watch::Watch;
 //! use volmap_experiments::validation::{EXPERIMENTS, Run, table};
 //!
 //! # fn main() -> Result<(), volmap_fluid::Error> {
-//! let run = Run { short: true, folder: None, progress: &|text| eprintln!("{text}") };
+//! let watch = Watch::default();
+//! let run = Run { short: true, watch: &watch, progress: &|text| eprintln!("{text}") };
 //! for experiment in EXPERIMENTS {
 //!     let outcome = (experiment.run)(&run)?;
 //!     print!("{}", table::to_text(experiment.name, &outcome));
@@ -31,8 +33,8 @@
 //!
 //! # Guarantees
 //!
-//! Figures are the same on any number of threads, but for wall-clock times. Experiments need no files and write none but
-//! pictures into the folder that is given.
+//! Figures are the same on any number of threads, but for wall-clock times. Experiments read and write no files. A
+//! [`Watch`](volmap_bake::watch::Watch) stops them after a step.
 
 pub mod reproduce;
 pub mod validation;

@@ -15,8 +15,9 @@ pub mod incline;
 pub mod momentum;
 pub mod sphere;
 
-use std::path::PathBuf;
+use volmap_bake::watch::Watch;
 use volmap_fluid::Error;
+use volmap_fluid::simulation::{Simulation, StepReport};
 use volmap_report::experiments;
 pub use volmap_report::experiments::{ChartFile, Outcome, Row, chart, curve, table};
 
@@ -34,19 +35,37 @@ pub const EXPERIMENTS: &[Experiment] = &[
     grid::EXPERIMENT,
 ];
 
-/// How an experiment is done.
+/// How an experiment is run.
 pub struct Run<'a> {
-    /// In some ten seconds: fewer cases, coarser, shorter.
+    /// Fewer, coarser and shorter cases, which take some ten seconds.
     pub short: bool,
-    /// Where files may be left that are no charts; charts are in the outcome.
-    pub folder: Option<PathBuf>,
-    /// Hears what is being done, in a line, often.
+    /// Stops the experiment, which then ends with [`Error::Cancelled`].
+    pub watch: &'a Watch,
+    /// Called with a line about each case as it begins.
     pub progress: &'a (dyn Fn(&str) + Sync),
 }
 
 impl Run<'_> {
-    /// The short or the long one of two.
+    /// The value for the short or the long form.
     pub fn pick<T>(&self, short: T, long: T) -> T {
         if self.short { short } else { long }
+    }
+
+    /// Simulates until a time (seconds), and shows every step to `look`.
+    ///
+    /// # Errors
+    /// As [`Simulation::step`]; [`Error::Cancelled`].
+    pub fn until(
+        &self,
+        simulation: &mut Simulation,
+        time: f64,
+        look: &mut dyn FnMut(&Simulation, &StepReport),
+    ) -> Result<(), Error> {
+        while simulation.time() < time - 1e-9 {
+            self.watch.check()?;
+            let report = simulation.step()?;
+            look(simulation, &report);
+        }
+        Ok(())
     }
 }

@@ -1,12 +1,14 @@
 //! The experiments of `volmap-sim reproduce` in short, with bounds of their physics. The feature `long` has them.
 
+use volmap_bake::watch::Watch;
 use volmap_experiments::reproduce::{
     band1, combinations, force, friction, incline, puck, sphere, sticky, table1, tubes, washing,
 };
 use volmap_experiments::validation::{Experiment, Outcome, Run};
 
 fn run(experiment: Experiment) -> Outcome {
-    let outcome = (experiment.run)(&Run { short: true, folder: None, progress: &|_| () }).unwrap();
+    let outcome =
+        (experiment.run)(&Run { short: true, watch: &Watch::default(), progress: &|_| () }).unwrap();
     for row in &outcome.rows {
         println!("{}: {} = {} {}", row.case, row.quantity, row.measured, row.unit);
     }

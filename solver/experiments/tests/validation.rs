@@ -1,12 +1,13 @@
 //! The short forms of rest and momentum within bounds, which are wider than the targets where those are not met:
 //! VALIDATION.md. `volmap-sim validate` has the long ones.
 
+use volmap_bake::watch::Watch;
 use volmap_experiments::reproduce;
 use volmap_experiments::validation::{EXPERIMENTS, Outcome, Run, table};
 
 fn short(name: &str) -> Outcome {
     let experiment = EXPERIMENTS.iter().find(|experiment| experiment.name == name).unwrap();
-    (experiment.run)(&Run { short: true, folder: None, progress: &|_| () }).unwrap()
+    (experiment.run)(&Run { short: true, watch: &Watch::default(), progress: &|_| () }).unwrap()
 }
 
 fn between(outcome: &Outcome, case: &str, quantity: &str, [least, most]: [f64; 2]) {

@@ -1,10 +1,12 @@
 //! The flow experiments of `volmap-sim validate` in short, with bounds of their physics. They take a minute: the
 //! feature `long` has them.
 
+use volmap_bake::watch::Watch;
 use volmap_experiments::validation::{Experiment, Outcome, Run, dam_break, floats, grid, incline, sphere};
 
 fn run(experiment: Experiment) -> Outcome {
-    let outcome = (experiment.run)(&Run { short: true, folder: None, progress: &|_| () }).unwrap();
+    let outcome =
+        (experiment.run)(&Run { short: true, watch: &Watch::default(), progress: &|_| () }).unwrap();
     for row in &outcome.rows {
         println!("{}: {} = {} {}", row.case, row.quantity, row.measured, row.unit);
     }

@@ -7,13 +7,14 @@
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
+use volmap_bake::parameters::Parameters;
 use volmap_bake::watch::Watch;
 use volmap_fluid::shapes::cuboid;
 use volmap_fluid::simulation::Simulation;
 use volmap_formats::export::ply;
 use volmap_runtime::DVec3;
 use volmap_scenes::assemble::assemble;
-use volmap_scenes::scene::{Bake, Block, Body, FreeMotion, Motion, Scene, prepare};
+use volmap_scenes::scene::{Block, Body, FreeMotion, Motion, Scene, prepare};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let folder = std::env::args_os().nth(1).map(PathBuf::from).ok_or("name a folder for the meshes")?;
@@ -40,7 +41,7 @@ pub fn scene(folder: &Path) -> Result<Scene, Box<dyn Error>> {
         blocks: vec![Block { min: [-0.4, 0.0, -0.4], max: [0.4, 0.3, 0.4], velocity: [0.0; 3] }],
         bodies: vec![
             // The solid is outside of the mesh.
-            Body { bake: Bake { invert: true, ..Bake::default() }, ..tank },
+            Body { bake: Parameters { invert: Some(true), ..Parameters::default() }, ..tank },
             Body { motion: Motion::Free(free), translation: [0.0, 0.45, 0.0], ..cube },
         ],
         ..Scene::default()

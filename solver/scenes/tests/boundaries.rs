@@ -47,7 +47,8 @@ fn scene(boundary: BoundaryMethod, pressure: BoundaryPressure, bodies: Vec<Body>
 }
 
 fn simulation(scene: &Scene) -> Simulation {
-    Simulation::new(assemble(scene, prepare(scene, &Default::default(), &mut |_| ()).unwrap()).unwrap()).unwrap()
+    Simulation::new(assemble(scene, prepare(scene, &Default::default(), &mut |_| ()).unwrap()).unwrap())
+        .unwrap()
 }
 
 /// 9 x 5 x 9 particles in a tank of a metre, which begin a spacing from its walls.
@@ -287,8 +288,12 @@ fn maps_without_the_density_of_the_kernel_are_refused() {
 fn assets_without_a_density_are_refused_with_the_cure() {
     let folder = tempfile::tempdir().unwrap();
     let wide = Some(ClosureKind::Calibrated);
-    prepare(&Scene { cache: Some(folder.path().into()), closure: wide, ..tank(VolumeMap, Own) }, &Default::default(), &mut |_| ())
-        .unwrap();
+    prepare(
+        &Scene { cache: Some(folder.path().into()), closure: wide, ..tank(VolumeMap, Own) },
+        &Default::default(),
+        &mut |_| (),
+    )
+    .unwrap();
     let map = std::fs::read_dir(folder.path()).unwrap().next().unwrap().unwrap().path();
     let scene = scene(DensityMap, Own, vec![Body { map: Some(map), ..Body::default() }]);
     let error = prepare(&scene, &Default::default(), &mut |_| ()).unwrap_err().to_string();

@@ -206,7 +206,8 @@ fn maps_are_baked_once_and_shared() {
     }
     let repaired = prepare(&scene, &Default::default(), &mut |_| baked += 1).unwrap();
     assert_eq!((baked, repaired.bodies[0].origin), (4, Origin::Baked));
-    prepare(&Scene { particle_radius: 0.03, ..scene.clone() }, &Default::default(), &mut |_| baked += 1).unwrap();
+    prepare(&Scene { particle_radius: 0.03, ..scene.clone() }, &Default::default(), &mut |_| baked += 1)
+        .unwrap();
     assert_eq!(baked, 6);
 }
 

@@ -2,6 +2,7 @@
 
 use super::set_threads;
 use crate::args::ExperimentArguments;
+use crate::signals;
 use anyhow::{Context, Error, Result, bail};
 use std::fs;
 use std::io::{self, Write};
@@ -33,7 +34,8 @@ pub fn run_experiments(set: &ExperimentSet, arguments: &ExperimentArguments) -> 
             eprintln!("{text}");
         }
     };
-    let run = Run { short: arguments.short, folder: arguments.output.clone(), progress: &progress };
+    let watch = signals::watch()?;
+    let run = Run { short: arguments.short, watch: &watch, progress: &progress };
     let mut finished: Vec<Finished> = Vec::new();
     for experiment in chosen {
         progress(&format!("{}: {}", experiment.name, experiment.title));

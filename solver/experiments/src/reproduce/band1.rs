@@ -7,7 +7,6 @@ use crate::validation::{Experiment, Outcome, Row, Run, chart, curve};
 use volmap_figures::picture::colours::DISTINCT;
 use volmap_fluid::Error;
 use volmap_fluid::bodies::Motion;
-use volmap_fluid::observe::until;
 use volmap_fluid::settings::{BoundaryMethod, BoundaryPressure, FluidSettings, SolverSettings};
 use volmap_fluid::shapes::{Shape, cuboid};
 use volmap_fluid::simulation::Simulation;
@@ -87,7 +86,7 @@ fn run(run: &Run) -> Result<Outcome, Error> {
             continue;
         }
         (run.progress)(&format!("band1: steps for the paper's {} ms", 1e3 * step));
-        let costs = costs(&dams, step * scale(), run.pick(0.2, 1.2))?;
+        let costs = costs(run, &dams, step * scale())?;
         for (m, Case { method, paper }) in cases().into_iter().enumerate() {
             let case = format!("{} ms: {}", 1e3 * step, method.name());
             let paper = paper.map(|paper| [paper.iterations[n], paper.times[n] / MIRRORING[n]]);
@@ -134,14 +133,15 @@ struct Dam {
     water: Vec<DVec3>,
 }
 
-/// Runs all methods with steps of `dt` (s), in turns, until a time (s).
-fn costs(dams: &[Dam], dt: f64, end: f64) -> Result<Vec<Cost>, Error> {
+/// Runs all methods with steps of `dt` (s), in turns.
+fn costs(run: &Run, dams: &[Dam], dt: f64) -> Result<Vec<Cost>, Error> {
     let mut solver = fixed_step(SolverSettings::default(), dt);
     solver.warm_start = 0.0;
     for solve in [&mut solver.density, &mut solver.divergence] {
         solve.max_error = 1e-3;
         solve.min_iterations = 2;
     }
+    let end = run.pick(0.2, 1.2);
     let mut all = Vec::new();
     for dam in dams {
         all.push((dam.simulation(&dam.water, None, solver.clone())?, Cost::default()));
@@ -149,6 +149,7 @@ fn costs(dams: &[Dam], dt: f64, end: f64) -> Result<Vec<Cost>, Error> {
     while all.iter().any(|(simulation, cost)| cost.stopped.is_none() && simulation.time() < end) {
         for (simulation, cost) in &mut all {
             if cost.stopped.is_none() && simulation.time() < end {
+                run.watch.check()?;
                 advance(simulation, cost)?;
             }
         }
@@ -214,7 +215,7 @@ fn settled(run: &Run, method: Method) -> Result<Dam, Error> {
     solver.time_step.max = 0.0005;
     solver.time_step.min = 1e-5;
     let mut simulation = calm.simulation(&places, Some(&gate), solver)?;
-    until(&mut simulation, run.pick(0.15, 0.6), &mut |_, _| ())?;
+    run.until(&mut simulation, run.pick(0.15, 0.6), &mut |_, _| ())?;
     Ok(Dam { method, water: simulation.particles().positions.clone(), ..calm })
 }
 

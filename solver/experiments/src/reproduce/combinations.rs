@@ -125,7 +125,7 @@ fn rest(run: &Run, method: Method, tank: &Shape) -> Result<Rest, Error> {
     let end = run.pick(2.0, 6.0);
     let mut rest = Rest::default();
     let (mut particle_steps, mut window, mut times) = (0, 0.0, Vec::new());
-    rest.stopped = survives(&mut simulation, end, &mut |simulation, report| {
+    rest.stopped = survives(run, &mut simulation, end, &mut |simulation, report| {
         particle_steps += simulation.particles().len();
         rest.penetration += report.inside as f64;
         rest.lost += report.removed;
@@ -149,7 +149,7 @@ fn rest(run: &Run, method: Method, tank: &Shape) -> Result<Rest, Error> {
     rest.memory = [tank.map.memory_bytes(), simulation.boundary().memory_bytes()];
     let steps = (0..16).map(|n| FIRST_STEP * 2_f64.powf(0.25 * f64::from(n)));
     let steps = steps.filter(|step| !run.short || *step > 0.015);
-    rest.largest_step = largest_step(steps, |dt| is_stable(method, &scenery, dt))?;
+    rest.largest_step = largest_step(steps, |dt| is_stable(run, method, &scenery, dt))?;
     Ok(rest)
 }
 
@@ -191,11 +191,11 @@ fn first_layer(distances: &[f64]) -> f64 {
 }
 
 /// Whether the same fall is stable in equal steps: see the notes.
-fn is_stable(method: Method, scenery: &Scenery, dt: f64) -> Result<bool, Error> {
+fn is_stable(run: &Run, method: Method, scenery: &Scenery, dt: f64) -> Result<bool, Error> {
     let solver = fixed_step(scenery.solver.clone(), dt);
     let mut simulation = method.simulation(&Scenery { solver, ..scenery.clone() })?;
     let (mut steps, mut inside, mut lost, mut fastest) = (0.0, 0, 0, 0.0_f64);
-    let stopped = survives(&mut simulation, 2.0, &mut |_, report| {
+    let stopped = survives(run, &mut simulation, 2.0, &mut |_, report| {
         inside += report.inside;
         lost += report.removed;
         fastest = fastest.max(report.max_speed);

@@ -18,7 +18,7 @@ use volmap_figures::picture::{Chart, Limits};
 use volmap_fluid::Error;
 use volmap_fluid::bodies::{Bodies, Motion};
 use volmap_fluid::boundary::density_map::EXTENSION;
-use volmap_fluid::observe::{percentile, until};
+use volmap_fluid::observe::percentile;
 use volmap_fluid::particles::Particles;
 use volmap_fluid::settings::{BoundaryMethod, BoundaryPressure, FluidSettings, SolverSettings, World};
 use volmap_fluid::shapes::{Shape, cuboid};
@@ -103,11 +103,11 @@ fn run(run: &Run) -> Result<Outcome, Error> {
         }
         let mut watch = Observed::default();
         let mut simulation = dam(case, &tank)?;
-        until(&mut simulation, PICTURE, &mut |simulation, report| watch.look(simulation, report.inside))?;
+        run.until(&mut simulation, PICTURE, &mut |simulation, report| watch.look(simulation, report.inside))?;
         if number < 4 {
             outcome.chart(format!("fig11-{}.png", ["a", "b", "c", "d"][number]), picture(case, &simulation));
         }
-        until(&mut simulation, run.pick(0.6, 3.0), &mut |simulation, report| {
+        run.until(&mut simulation, run.pick(0.6, 3.0), &mut |simulation, report| {
             watch.look(simulation, report.inside);
         })?;
         watch.rows(&mut outcome, case, &simulation);

@@ -43,7 +43,7 @@ fn run(run: &Run) -> Result<Outcome, Error> {
     let mut ways = Vec::new();
     for (coefficient, colour) in COEFFICIENTS.into_iter().zip(DISTINCT) {
         (run.progress)(&format!("friction: {coefficient} kg/(m s)"));
-        let slide = slide(&plane, coefficient, run.pick(1.0, 4.0))?;
+        let slide = slide(run, &plane, coefficient)?;
         let case = format!("mu_B = {coefficient} kg/(m s)");
         slide.rows(&mut outcome, &case);
         ways.push(slide.way);
@@ -77,7 +77,7 @@ struct Slide {
     tilt: f64,
 }
 
-fn slide(plane: &Shape, coefficient: f64, end: f64) -> Result<Slide, Error> {
+fn slide(run: &Run, plane: &Shape, coefficient: f64) -> Result<Slide, Error> {
     let contact = FluidContact { viscosity: 0.0, friction: coefficient / REST_DENSITY };
     let body = BodyDescription { fluid_contact: contact, ..plane.body("plane", DVec3::ZERO, Motion::Static) };
     let at = |n: u32| DVec3::new((n % SIDE).into(), (n / SIDE / SIDE).into(), (n / SIDE % SIDE).into());
@@ -90,7 +90,8 @@ fn slide(plane: &Shape, coefficient: f64, end: f64) -> Result<Slide, Error> {
     let mut simulation = Simulation::new(setup)?;
     let (start, mut travelled) = (rigid.centre, DVec3::ZERO);
     let (mut speeds, mut tilt) = (vec![[0.0, SPEED]], 0.0f64);
-    while simulation.time() < end - 1e-9 {
+    while simulation.time() < run.pick(1.0, 4.0) - 1e-9 {
+        run.watch.check()?;
         rigid.step(&mut simulation)?;
         let back = PERIOD * (rigid.centre / PERIOD).round().with_y(0.0);
         if back != DVec3::ZERO {

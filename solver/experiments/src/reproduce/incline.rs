@@ -7,7 +7,6 @@ use crate::validation::incline::{RP, starts, turned};
 use crate::validation::{Experiment, Outcome, Row, Run, chart, curve};
 use volmap_figures::picture::colours::DISTINCT;
 use volmap_fluid::Error;
-use volmap_fluid::observe::until;
 use volmap_fluid::shapes::cuboid;
 use volmap_fluid::simulation::Simulation;
 use volmap_runtime::DVec3;
@@ -34,7 +33,7 @@ fn run(run: &Run) -> Result<Outcome, Error> {
     );
     for (method, colour) in methods.iter().zip(DISTINCT) {
         (run.progress)(&format!("incline: {}", method.name));
-        let slide = slide(method)?;
+        let slide = slide(run, method)?;
         slide.rows(&mut outcome, method.name);
         let part = |pick: fn(&DVec3) -> [f64; 2]| slide.path(pick);
         paths.push(curve(method.name, colour, part(|way| [-way.x, way.z / RP])));
@@ -63,7 +62,7 @@ struct Slide {
     ideal: f64,
 }
 
-fn slide(method: &Named) -> Result<Slide, Error> {
+fn slide(run: &Run, method: &Named) -> Result<Slide, Error> {
     let plane = method.baked(cuboid(DVec3::new(-3.0, -0.15, -1.0), DVec3::new(2.0, 0.0, 1.0)), RP, false)?;
     let (body, rotation) = turned(&plane, DEGREES);
     let starts = starts(1.0);
@@ -73,7 +72,7 @@ fn slide(method: &Named) -> Result<Slide, Error> {
     let mut simulation = Simulation::new(setup)?;
     let acceleration = GRAVITY * DEGREES.to_radians().sin();
     let mut steps = Vec::new();
-    until(&mut simulation, (2.0 * WAY / acceleration).sqrt(), &mut |simulation, _| {
+    run.until(&mut simulation, (2.0 * WAY / acceleration).sqrt(), &mut |simulation, _| {
         let particles = simulation.particles();
         let mut ways = vec![DVec3::NAN; starts.len()];
         for (&x, &id) in particles.positions.iter().zip(&particles.ids) {

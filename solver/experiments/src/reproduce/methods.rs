@@ -1,5 +1,6 @@
 //! The boundary methods that are compared, and the simulations in which they are.
 
+use crate::validation::Run;
 use crate::validation::flow::GRAVITY;
 use volmap_bake::density_map::DensitySettings;
 use volmap_bake::plan::{GridChoice, Settings};
@@ -195,11 +196,13 @@ pub fn fixed_step(solver: SolverSettings, dt: f64) -> SolverSettings {
 /// # Errors
 /// Those of [`Simulation::step`] that are no failures of the simulation.
 pub fn survives(
+    run: &Run,
     simulation: &mut Simulation,
     time: f64,
     look: &mut dyn FnMut(&Simulation, &StepReport),
 ) -> Result<Option<f64>, Error> {
     while simulation.time() < time - 1e-9 {
+        run.watch.check()?;
         match simulation.step() {
             Ok(report) => look(simulation, &report),
             Err(Error::Simulation { time, .. }) => return Ok(Some(time)),

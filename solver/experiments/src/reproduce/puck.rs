@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 use volmap_figures::picture::colours::DISTINCT;
 use volmap_fluid::Error;
 use volmap_fluid::bodies::Motion;
-use volmap_fluid::observe::{centre, momenta, until};
+use volmap_fluid::observe::{centre, momenta};
 use volmap_fluid::settings::ViscosityMethod;
 use volmap_fluid::shapes::{Shape, cuboid};
 use volmap_fluid::simulation::Simulation;
@@ -53,17 +53,17 @@ fn run(run: &Run) -> Result<Outcome, Error> {
         let plane =
             method.baked(cuboid(DVec3::new(-HALF, -0.15, -HALF), DVec3::new(HALF, 0.0, HALF)), RP, false)?;
         (run.progress)(&format!("puck: {}, spins", method.name));
-        let spin = spin(method, &plane, run.pick(4.0, 100.0))?;
+        let spin = spin(run, method, &plane)?;
         spin.spin_rows(&mut outcome, method);
         spins.push(curve(method.name, colour, spin.points(|at| [at.time, at.spin / SPIN])));
         ways.push(curve(method.name, colour, spin.points(|at| [at.place.x / PUCK, at.place.z / PUCK])));
         (run.progress)(&format!("puck: {}, slides", method.name));
-        let slide = slide(method, &plane, run.pick(1.0, 3.0))?;
+        let slide = slide(run, method, &plane)?;
         slide.slide_rows(&mut outcome, method.name);
         let whole = GRAVITY * DEGREES.to_radians().sin();
         speeds.push(curve(method.name, colour, slide.points(|at| [at.time, at.speed / (whole * at.time)])));
         (run.progress)(&format!("puck: {}, thick fluid", method.name));
-        fluid_rows(&mut outcome, method, &plane, run.pick(1.0, 2.0))?;
+        fluid_rows(run, &mut outcome, method, &plane)?;
     }
     let axes = [["Time", "s"], ["Spin over that of the start", ""]];
     outcome.chart("puck-spin.png", chart("A puck that spins on a plane", axes[0], axes[1], spins));
@@ -102,24 +102,24 @@ struct Track {
 }
 
 /// Spins on the level plane, with no force but gravity.
-fn spin(method: &Named, plane: &Shape, end: f64) -> Result<Track, Error> {
-    let (mut rigid, mut simulation) = puck(method, plane, DVec3::NEG_Y * GRAVITY)?;
+fn spin(run: &Run, method: &Named, plane: &Shape) -> Result<Track, Error> {
+    let (mut rigid, mut simulation) = puck(run, method, plane, DVec3::NEG_Y * GRAVITY)?;
     rigid.angular_velocity = DVec3::Y * SPIN;
-    track(&mut rigid, &mut simulation, end)
+    track(run, &mut rigid, &mut simulation, run.pick(4.0, 100.0))
 }
 
 /// Slides down a slope. The plane is level and gravity is inclined.
-fn slide(method: &Named, plane: &Shape, end: f64) -> Result<Track, Error> {
+fn slide(run: &Run, method: &Named, plane: &Shape) -> Result<Track, Error> {
     let tilted = DQuat::from_rotation_z(DEGREES.to_radians()) * DVec3::NEG_Y;
-    let (mut rigid, mut simulation) = puck(method, plane, GRAVITY * tilted)?;
+    let (mut rigid, mut simulation) = puck(run, method, plane, GRAVITY * tilted)?;
     rigid.velocity = DVec3::ZERO;
     rigid.angular_velocity = DVec3::ZERO;
-    track(&mut rigid, &mut simulation, end)
+    track(run, &mut rigid, &mut simulation, run.pick(1.0, 3.0))
 }
 
 /// The puck as a fluid so thick that it hardly sinks.
-fn fluid_rows(outcome: &mut Outcome, method: &Named, plane: &Shape, end: f64) -> Result<(), Error> {
-    let (mut rigid, _) = puck(method, plane, DVec3::NEG_Y * GRAVITY)?;
+fn fluid_rows(run: &Run, outcome: &mut Outcome, method: &Named, plane: &Shape) -> Result<(), Error> {
+    let (mut rigid, _) = puck(run, method, plane, DVec3::NEG_Y * GRAVITY)?;
     rigid.angular_velocity = DVec3::Y * SPIN;
     let mut setup = method.setup(RP, vec![plane.body("plane", DVec3::ZERO, Motion::Static)])?;
     setup.fluid.viscosity = THICK;
@@ -133,7 +133,9 @@ fn fluid_rows(outcome: &mut Outcome, method: &Named, plane: &Shape, end: f64) ->
     };
     let (before, start) = (about_centre(&simulation), centre(&simulation));
     let mut iterations = 0;
-    until(&mut simulation, end, &mut |_, report| iterations += report.viscosity.iterations)?;
+    run.until(&mut simulation, run.pick(1.0, 2.0), &mut |_, report| {
+        iterations += report.viscosity.iterations
+    })?;
     let case = format!("{}, thick fluid", method.name);
     let rows = &mut outcome.rows;
     let loss = 1.0 - about_centre(&simulation) / before;
@@ -158,7 +160,7 @@ fn places() -> Vec<DVec3> {
 }
 
 /// A puck at rest on a plane. Until it rests, gravity acts across the plane only.
-fn puck(method: &Named, plane: &Shape, gravity: DVec3) -> Result<(Rigid, Simulation), Error> {
+fn puck(run: &Run, method: &Named, plane: &Shape, gravity: DVec3) -> Result<(Rigid, Simulation), Error> {
     let mut rigid = Rigid::new(&places(), DVec3::ZERO, DVec3::ZERO);
     let mut setup = method.setup(RP, vec![plane.body("plane", DVec3::ZERO, Motion::Static)])?;
     setup.world.gravity = gravity;
@@ -166,6 +168,7 @@ fn puck(method: &Named, plane: &Shape, gravity: DVec3) -> Result<(Rigid, Simulat
     setup.particles.add(&places, &velocities);
     let mut simulation = Simulation::new(setup)?;
     while simulation.time() < REST {
+        run.watch.check()?;
         rigid.step(&mut simulation)?;
         // It may move only up and down, and slowly.
         rigid.velocity = DVec3::Y * 0.9 * rigid.velocity.y;
@@ -176,13 +179,14 @@ fn puck(method: &Named, plane: &Shape, gravity: DVec3) -> Result<(Rigid, Simulat
     Ok((rigid, simulation))
 }
 
-fn track(rigid: &mut Rigid, simulation: &mut Simulation, end: f64) -> Result<Track, Error> {
+fn track(run: &Run, rigid: &mut Rigid, simulation: &mut Simulation, end: f64) -> Result<Track, Error> {
     let (start, mut travelled, mut inside) = (simulation.time(), DVec3::ZERO, 0);
     rigid.place(simulation);
     let begin = rigid.centre;
     let height = begin.y - f64::from(LAYERS - 1) * RP;
     let mut all = Vec::new();
     while simulation.time() < start + end - 1e-9 {
+        run.watch.check()?;
         inside += rigid.step(simulation)?.inside;
         let back = PERIOD * (rigid.centre / PERIOD).round().with_y(0.0);
         if back != DVec3::ZERO {

@@ -68,9 +68,8 @@ fn run(run: &Run) -> Result<Outcome, Error> {
         }
         (run.progress)(&format!("sphere: {}", method.name()));
         let hollow = method.shape(ball(RADIUS, 6), radius, true)?;
-        let end = run.pick(1.0, 3.0);
-        let (still, _) = turn(&method, &hollow, radius, 0.0, end)?;
-        let (turning, points) = turn(&method, &hollow, radius, SPEED, end)?;
+        let (still, _) = turn(run, &method, &hollow, radius, 0.0)?;
+        let (turning, points) = turn(run, &method, &hollow, radius, SPEED)?;
         outcome.rows.extend(rows(&method, still, turning));
         let (name, colour) = (method.name(), DISTINCT[n % DISTINCT.len()]);
         let data = if n < 6 { Data::Dashes(points) } else { Data::Curve(points) };
@@ -91,11 +90,11 @@ const NOTE: &str = "\
 /// Means, and kinetic energy over time, of water in the ball. The particles' radius is in metres, the ball's speed in
 /// rpm, the end in seconds.
 fn turn(
+    run: &Run,
     method: &Method,
     hollow: &Shape,
     radius: f64,
     speed: f64,
-    end: f64,
 ) -> Result<(Calm, Vec<[f64; 2]>), Error> {
     let spin = Spin { axis: DVec3::X, centre: DVec3::ZERO, speed: speed * PI / 30.0 };
     let motion = if speed == 0.0 { Motion::Static } else { Motion::Prescribed(Path::Spin(spin)) };
@@ -110,7 +109,8 @@ fn turn(
     })?;
     let (mut points, mut sum, mut steps) = (Vec::new(), Calm::default(), 0.0);
     let turned = SPEED * PI / 30.0;
-    let stopped = survives(&mut simulation, end, &mut |simulation, report| {
+    let end = run.pick(1.0, 3.0);
+    let stopped = survives(run, &mut simulation, end, &mut |simulation, report| {
         points.push([simulation.time(), kinetic_energy(simulation)]);
         if simulation.time() > 0.5 * end {
             let positions = &simulation.particles().positions;

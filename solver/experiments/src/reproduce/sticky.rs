@@ -8,7 +8,7 @@ use crate::validation::{Experiment, Outcome, Row, Run, chart, curve};
 use volmap_figures::picture::colours::DISTINCT;
 use volmap_fluid::Error;
 use volmap_fluid::bodies::{BodyDescription, FluidContact, Interpolation, Key, Keys, Motion, Path};
-use volmap_fluid::observe::{centre, until, velocities};
+use volmap_fluid::observe::{centre, velocities};
 use volmap_fluid::settings::{FluidSettings, ViscosityMethod};
 use volmap_fluid::shapes::ball;
 use volmap_fluid::simulation::Simulation;
@@ -99,7 +99,7 @@ fn grid(run: &Run, coefficient: f64) -> Result<Held, Error> {
     let top = 0.5 * BAR + 0.01;
     let places = lattice(DVec3::new(-0.12, top, -0.12), DVec3::new(0.12, top + 0.1, 0.12), radius);
     let body = grid.body("grid", DVec3::ZERO, Motion::Static);
-    hold(radius, &places, touched(body, coefficient), run.pick(1.0, 2.0), |_, x| x.y > -0.1)
+    hold(run, radius, &places, touched(body, coefficient), run.pick(1.0, 2.0), |_, x| x.y > -0.1)
 }
 
 /// A ball with a coat of fluid is moved aside.
@@ -119,7 +119,7 @@ fn moved(run: &Run, coefficient: f64) -> Result<Held, Error> {
     };
     let body = shape.body("ball", DVec3::ZERO, Motion::Prescribed(Path::Keys(keys)));
     let reach = BALL + 8.0 * radius;
-    hold(radius, &places, touched(body, coefficient), run.pick(0.7, 1.5), |simulation, x| {
+    hold(run, radius, &places, touched(body, coefficient), run.pick(0.7, 1.5), |simulation, x| {
         x.distance(simulation.bodies().posed()[0].pose.translation) < reach
     })
 }
@@ -129,6 +129,7 @@ fn touched(body: BodyDescription, viscosity: f64) -> BodyDescription {
 }
 
 fn hold(
+    run: &Run,
     radius: f64,
     places: &[DVec3],
     body: BodyDescription,
@@ -148,7 +149,7 @@ fn hold(
     let mut simulation = Simulation::new(setup)?;
     let start = centre(&simulation);
     let mut held = Held::default();
-    until(&mut simulation, end, &mut |simulation, report| {
+    run.until(&mut simulation, end, &mut |simulation, report| {
         let positions = &simulation.particles().positions;
         let count = positions.iter().filter(|&&x| is_held(simulation, x)).count();
         held.points.push([simulation.time(), count as f64 / places.len() as f64]);

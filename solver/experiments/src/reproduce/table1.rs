@@ -46,6 +46,7 @@ fn run(run: &Run) -> Result<Outcome, Error> {
     loop {
         let next = racers.iter_mut().min_by(|a, b| a.simulation.time().total_cmp(&b.simulation.time()));
         let Some(next) = next.filter(|next| next.simulation.time() < end) else { break };
+        run.watch.check()?;
         next.step()?;
         if next.steps % 50 == 0 {
             let [time, name] = [format!("{:.2} s", next.simulation.time()), next.view.name.into()];

@@ -280,7 +280,7 @@ fn pour(run: &Run, method: Method, thickness: f64) -> Result<Vec<Row>, Error> {
     let mut simulation = method.simulation(&plate_and_ridge(&method, radius, thickness)?)?;
     let count = simulation.particles().len();
     let (mut inside, mut steps, mut fastest) = (0, 0_u32, 0.0_f64);
-    let stopped = survives(&mut simulation, run.pick(0.6, 2.0), &mut |_, report| {
+    let stopped = survives(run, &mut simulation, run.pick(0.6, 2.0), &mut |_, report| {
         inside += report.inside;
         steps += 1;
         fastest = fastest.max(report.max_speed);

@@ -72,7 +72,7 @@ fn run(run: &Run) -> Result<Outcome, Error> {
         let (mut last, mut points) = (Wash::default(), Vec::new());
         let steps = (0..STEPS).map(|n| first * 2_f64.powf(0.25 * f64::from(n)));
         let largest = largest_step(steps, |dt| {
-            last = wash(&method, &shape, radius, dt, run.pick(1.0, 2.0))?;
+            last = wash(run, &method, &shape, radius, dt)?;
             points.push([1e3 * dt, last.fastest]);
             Ok(last.is_stable())
         })?;
@@ -108,8 +108,8 @@ fn wall_speed() -> f64 {
     SPEED * PI / 30.0 * RADIUS
 }
 
-/// A run of particles of a radius (metres) in steps of `dt` until a time (seconds).
-fn wash(method: &Method, shape: &Shape, radius: f64, dt: f64, end: f64) -> Result<Wash, Error> {
+/// A run of particles of a radius (metres) in steps of `dt` (seconds).
+fn wash(run: &Run, method: &Method, shape: &Shape, radius: f64, dt: f64) -> Result<Wash, Error> {
     let spin = Spin { axis: DVec3::Z, centre: DVec3::ZERO, speed: SPEED * PI / 30.0 };
     let half = DVec3::new(RADIUS, RADIUS, HALF_LENGTH);
     let mut places = lattice(-half, half, radius);
@@ -124,7 +124,7 @@ fn wash(method: &Method, shape: &Shape, radius: f64, dt: f64, end: f64) -> Resul
     })?;
     let count = simulation.particles().len();
     let (mut wash, mut steps) = (Wash::default(), 0.0);
-    wash.stopped = survives(&mut simulation, end, &mut |simulation, report| {
+    wash.stopped = survives(run, &mut simulation, run.pick(1.0, 2.0), &mut |simulation, report| {
         wash.rms = wash.rms.max(rms_speed(simulation));
         wash.fastest = wash.fastest.max(report.max_speed);
         wash.inside += report.inside as f64;

@@ -7,7 +7,7 @@ use volmap_figures::picture::colours::DISTINCT;
 use volmap_figures::picture::{Data, Series};
 use volmap_fluid::Error;
 use volmap_fluid::bodies::Motion;
-use volmap_fluid::observe::{percentile, until};
+use volmap_fluid::observe::percentile;
 use volmap_fluid::shapes::{baked, cuboid};
 use volmap_fluid::simulation::Simulation;
 use volmap_runtime::DVec3;
@@ -80,7 +80,7 @@ fn run(run: &Run) -> Result<Outcome, Error> {
     for (&across, colour) in run.pick(&[12][..], &[20, 40]).iter().zip(&DISTINCT[1..]) {
         (run.progress)(&format!("dam_break: {across} particles across the column"));
         let case = format!("a = {across} particles");
-        let measured = collapse(across, run.pick(3.4, 4.3))?;
+        let measured = collapse(run, across)?;
         let front = deviations(&measured.front, &FRONT);
         let height = deviations(&measured.height, &HEIGHT);
         let rows = &mut outcome.rows;
@@ -110,7 +110,7 @@ const NOTE: &str = "\
     shift of time that fits best.";
 
 /// Inviscid water; the column is as deep as ten particles, between walls.
-fn collapse(across: u32, end: f64) -> Result<Measured, Error> {
+fn collapse(run: &Run, across: u32) -> Result<Measured, Error> {
     let radius = 0.5 * WIDTH / f64::from(across);
     let depth = 10.0 * 2.0 * radius;
     let tank = |width: f64| {
@@ -120,11 +120,11 @@ fn collapse(across: u32, end: f64) -> Result<Measured, Error> {
     let places = lattice(DVec3::ZERO, DVec3::new(WIDTH, ASPECT * WIDTH, depth), radius);
     // The lattice isn't quite at rest where walls meet.
     let mut column = water(radius, &places, 0.01, vec![tank(WIDTH)?])?;
-    until(&mut column, 6.0 * (WIDTH / GRAVITY).sqrt(), &mut |_, _| ())?;
+    run.until(&mut column, 6.0 * (WIDTH / GRAVITY).sqrt(), &mut |_, _| ())?;
     let mut simulation = water(radius, &column.particles().positions, 0.0, vec![tank(5.5 * WIDTH)?])?;
     let unit = (WIDTH / GRAVITY).sqrt();
     let mut measured = Measured { front: vec![[0.0, 1.0]], height: vec![[0.0, 1.0]] };
-    until(&mut simulation, end * unit, &mut |simulation, _| {
+    run.until(&mut simulation, run.pick(3.4, 4.3) * unit, &mut |simulation, _| {
         let time = simulation.time() / unit;
         let front = percentile(&along(simulation, |x| Some(x.x)), FRONT_PART) + radius;
         let at_wall = along(simulation, |x| (x.x < 4.0 * radius).then_some(x.y));

@@ -7,7 +7,7 @@ use volmap_bake::random::Random;
 use volmap_figures::picture::colours::DISTINCT;
 use volmap_fluid::Error;
 use volmap_fluid::bodies::{BodyDescription, FreeBody, Motion, Weight};
-use volmap_fluid::observe::{line, until};
+use volmap_fluid::observe::line;
 use volmap_fluid::shapes::{Shape, baked, ball, cuboid};
 use volmap_fluid::simulation::Simulation;
 use volmap_runtime::{DVec3, Pose, VolumeMap};
@@ -36,7 +36,7 @@ fn run(run: &Run) -> Result<Outcome, Error> {
     let held = &all[..run.pick(1, 2)];
     for (name, shape) in held {
         (run.progress)(&format!("floats: {name} held under water"));
-        held_under_water(run, &mut outcome, &tank, (name, shape))?;
+        held_under_water(run, &mut outcome, &tank, name, shape)?;
     }
     let mut curves = Vec::new();
     let densities: &[f64] = run.pick(&[500.0], &[250.0, 500.0, 750.0]);
@@ -44,7 +44,7 @@ fn run(run: &Run) -> Result<Outcome, Error> {
         for &density in densities {
             (run.progress)(&format!("floats: {name} of {density} kg/m^3"));
             let colour = DISTINCT[curves.len() % DISTINCT.len()];
-            let points = floating(run, &mut outcome, &tank, (name, shape, density))?;
+            let points = floating(run, &mut outcome, &tank, name, shape, density)?;
             curves.push(curve(format!("{name}, {density}"), colour, points));
         }
     }
@@ -110,14 +110,15 @@ fn held_under_water(
     run: &Run,
     outcome: &mut Outcome,
     tank: &Tank,
-    (name, shape): (&str, &Shape),
+    name: &str,
+    shape: &Shape,
 ) -> Result<(), Error> {
     let end = run.pick(2.0, 3.0);
     let body = shape.body(name, DVec3::new(0.0, 0.3, 0.0), free(RHO, true));
     let displaced = RHO * GRAVITY * volume_below(&shape.mesh, body.pose, 9.0);
     let mut simulation = tank.with(body)?;
     let (mut push, mut time) = (DVec3::ZERO, 0.0);
-    until(&mut simulation, end, &mut |simulation, report| {
+    run.until(&mut simulation, end, &mut |simulation, report| {
         if simulation.time() > 0.5 * end {
             push += report.dt * simulation.body_forces()[1][0];
             time += report.dt;
@@ -203,7 +204,9 @@ fn floating(
     run: &Run,
     outcome: &mut Outcome,
     tank: &Tank,
-    (name, shape, density): (&str, &Shape, f64),
+    name: &str,
+    shape: &Shape,
+    density: f64,
 ) -> Result<Vec<[f64; 2]>, Error> {
     let end = run.pick(1.6, 3.0);
     let part = density / RHO;
@@ -212,7 +215,7 @@ fn floating(
     let mut simulation = tank.with(shape.body(name, DVec3::new(0.0, height, 0.0), free(density, false)))?;
     let whole = volume_below(&shape.mesh, Default::default(), 9.0);
     let (mut points, mut sums, mut time, mut speed) = (Vec::new(), [0.0; 3], 0.0, 0.0f64);
-    until(&mut simulation, end, &mut |simulation, report| {
+    run.until(&mut simulation, end, &mut |simulation, report| {
         let state = simulation.bodies().state(1);
         speed = speed.max(state.velocity.length());
         let [offset, slope] = pressure_line(simulation);

@@ -6,7 +6,6 @@ use super::{Experiment, Outcome, Row, Run};
 use std::collections::HashMap;
 use volmap_fluid::Error;
 use volmap_fluid::bodies::Motion;
-use volmap_fluid::observe::until;
 use volmap_fluid::shapes::{Shape, baked, cuboid};
 use volmap_fluid::simulation::{Simulation, StepReport};
 use volmap_formats::mesh::TriangleMesh;
@@ -143,7 +142,7 @@ fn pour(run: &Run, outcome: &mut Outcome, radius: f64) -> Result<(), Error> {
     let mut simulation = water(radius, &places, 0.001, bodies)?;
     let wall = simulation.bodies().posed()[0].clone();
     let mut leaks = Leaks::default();
-    until(&mut simulation, run.pick(0.5, 1.5), &mut |simulation, report| {
+    run.until(&mut simulation, run.pick(0.5, 1.5), &mut |simulation, report| {
         leaks.look(simulation, &wall, report);
     })?;
     let case = format!("grid, rp = {} mm", 1e3 * radius);
@@ -170,7 +169,7 @@ fn hold(run: &Run, outcome: &mut Outcome) -> Result<(), Error> {
     let mut simulation = water(radius, &places, 0.01, bodies)?;
     let wall = simulation.bodies().posed()[0].clone();
     let mut leaks = Leaks::default();
-    until(&mut simulation, run.pick(0.5, 5.0), &mut |simulation, report| {
+    run.until(&mut simulation, run.pick(0.5, 5.0), &mut |simulation, report| {
         leaks.look(simulation, &wall, report);
     })?;
     let below = simulation.particles().positions.iter().filter(|x| x.y < 0.0).count();

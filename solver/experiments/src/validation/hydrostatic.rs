@@ -40,7 +40,7 @@ fn run(run: &Run) -> Result<Outcome, Error> {
     let mut done = Vec::new();
     for case in cases(run) {
         (run.progress)(&format!("hydrostatic: {}, {} s", case.name, case.column.end));
-        match case.column.settle(&tank(&case.column)?) {
+        match case.column.settle(run, &tank(&case.column)?) {
             Ok(rest) => {
                 outcome.rows.extend(rows(&case, &rest));
                 done.push((case, rest));

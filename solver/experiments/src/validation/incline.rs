@@ -6,7 +6,6 @@ use super::{Experiment, Outcome, Row, Run, chart, curve};
 use volmap_figures::picture::colours::DISTINCT;
 use volmap_fluid::Error;
 use volmap_fluid::bodies::{BodyDescription, Motion};
-use volmap_fluid::observe::until;
 use volmap_fluid::shapes::{Shape, baked, cuboid};
 use volmap_fluid::simulation::Simulation;
 use volmap_runtime::{DQuat, DVec3, Pose};
@@ -30,7 +29,7 @@ fn run(run: &Run) -> Result<Outcome, Error> {
     let mut curves = Vec::new();
     for (&degrees, colour) in run.pick(&[30.0][..], &[15.0, 30.0, 45.0]).iter().zip(DISTINCT) {
         (run.progress)(&format!("incline: {degrees} degrees"));
-        let points = slide(&mut outcome, &plane, degrees)?;
+        let points = slide(run, &mut outcome, &plane, degrees)?;
         curves.push(curve(format!("{degrees} degrees"), colour, points));
     }
     let axes = [["Time", "s"], ["Mean way down over g sin(slope) t^2 / 2", ""]];
@@ -57,7 +56,7 @@ pub fn starts(up: f64) -> Vec<DVec3> {
     (0..SIDE * SIDE).map(|n| DVec3::new(up, 1.2 * RP, 0.0) + step * at(n)).collect()
 }
 
-fn slide(outcome: &mut Outcome, plane: &Shape, degrees: f64) -> Result<Vec<[f64; 2]>, Error> {
+fn slide(run: &Run, outcome: &mut Outcome, plane: &Shape, degrees: f64) -> Result<Vec<[f64; 2]>, Error> {
     let (body, rotation) = turned(plane, degrees);
     let starts = starts(2.0);
     let places: Vec<DVec3> = starts.iter().map(|&x| rotation * x).collect();
@@ -66,7 +65,7 @@ fn slide(outcome: &mut Outcome, plane: &Shape, degrees: f64) -> Result<Vec<[f64;
     let end = (2.0f64 * 3.0 / acceleration).sqrt();
     let (mut points, mut highest, mut lowest) = (Vec::new(), 0.0f64, f64::INFINITY);
     let mut late = Vec::new();
-    until(&mut simulation, end, &mut |simulation, _| {
+    run.until(&mut simulation, end, &mut |simulation, _| {
         let time = simulation.time();
         let ways = ways(simulation, rotation, &starts);
         let down = -ways.iter().map(|slid| slid.way.x).sum::<f64>() / ways.len() as f64;

@@ -8,7 +8,7 @@ use volmap_figures::picture::colours::DISTINCT;
 use volmap_fluid::Error;
 use volmap_fluid::bodies::{Bodies, FreeBody, Motion, Weight};
 use volmap_fluid::lattice::fill_box;
-use volmap_fluid::observe::{kinetic_energy, momenta, until, velocities};
+use volmap_fluid::observe::{kinetic_energy, momenta, velocities};
 use volmap_fluid::particles::Particles;
 use volmap_fluid::settings::{FluidSettings, SolverSettings, World};
 use volmap_fluid::shapes::{Shape, baked, ball};
@@ -50,7 +50,7 @@ fn run(run: &Run) -> Result<Outcome, Error> {
         let scale = speeds * simulation.particle_mass();
         let mut states = vec![state(&simulation)];
         let [mut touched, mut inside] = [0, 0];
-        until(&mut simulation, run.pick(0.6, 2.0), &mut |simulation, report| {
+        run.until(&mut simulation, run.pick(0.6, 2.0), &mut |simulation, report| {
             states.push(state(simulation));
             touched = touched.max(report.near_bodies);
             inside += report.inside;

@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 use volmap_figures::picture::colours::DISTINCT;
 use volmap_fluid::Error;
 use volmap_fluid::bodies::{Motion, Path, Spin};
-use volmap_fluid::observe::{momenta, rms_speed, until};
+use volmap_fluid::observe::{momenta, rms_speed};
 use volmap_fluid::shapes::{Shape, baked_finely, ball};
 use volmap_runtime::{ClosureKind, DVec3};
 
@@ -51,7 +51,7 @@ fn run(run: &Run) -> Result<Outcome, Error> {
     let mut rest = Calm::default();
     for ((case, spin), colour) in spins.into_iter().zip(DISTINCT) {
         (run.progress)(&format!("sphere: {case}"));
-        let (calm, points) = spinning(&hollow, radius, spin, run.pick(1.0, 4.0))?;
+        let (calm, points) = spinning(run, &hollow, radius, spin)?;
         let rows = &mut outcome.rows;
         rows.push(Row::new(case, "rms speed", "m/s", calm.rms));
         rows.push(Row::new(case, "kinetic energy over m g R", "", calm.energy));
@@ -74,18 +74,19 @@ fn run(run: &Run) -> Result<Outcome, Error> {
 
 /// Rms speed over time, and the means.
 fn spinning(
+    run: &Run,
     hollow: &Shape,
     radius: f64,
     spin: Option<Spin>,
-    end: f64,
 ) -> Result<(Calm, Vec<[f64; 2]>), Error> {
     let motion = spin.map_or(Motion::Static, |spin| Motion::Prescribed(Path::Spin(spin)));
     let places = lattice(DVec3::splat(-RADIUS), DVec3::new(RADIUS, 0.0, RADIUS), radius);
     let places: Vec<DVec3> = places.into_iter().filter(|x| x.length() < RADIUS - 0.9 * radius).collect();
     let mut simulation = water(radius, &places, 0.001, vec![hollow.body("ball", DVec3::ZERO, motion)])?;
     let (mut points, mut sum, mut time) = (Vec::new(), Calm::default(), 0.0);
+    let end = run.pick(1.0, 4.0);
     let axis = spin.map_or(DVec3::Y, |spin| spin.axis);
-    until(&mut simulation, end, &mut |simulation, report| {
+    run.until(&mut simulation, end, &mut |simulation, report| {
         let rms = rms_speed(simulation);
         points.push([simulation.time(), rms]);
         if simulation.time() > 0.5 * end {

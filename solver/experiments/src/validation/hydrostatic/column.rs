@@ -1,9 +1,10 @@
 //! A column of water: simulated, then measured at rest. All lengths are metres unless they say rp.
 
+use crate::validation::Run;
 use volmap_fluid::Error;
 use volmap_fluid::bodies::{Bodies, Motion};
 use volmap_fluid::lattice::fill_box;
-use volmap_fluid::observe::{centre, kinetic_energy, line, percentile, until, velocities};
+use volmap_fluid::observe::{centre, kinetic_energy, line, percentile, velocities};
 use volmap_fluid::particles::Particles;
 use volmap_fluid::settings::{BoundaryMethod, BoundaryPressure, FluidSettings, SolverSettings, World};
 use volmap_fluid::shapes::Shape;
@@ -76,14 +77,14 @@ impl Column {
     /// Simulates and measures.
     ///
     /// # Errors
-    /// As [`Simulation::step`].
-    pub fn settle(&self, tank: &Shape) -> Result<Rest, Error> {
+    /// As [`Run::until`].
+    pub fn settle(&self, run: &Run, tank: &Shape) -> Result<Rest, Error> {
         let mut simulation = self.simulation(tank)?;
         let mut rest = Rest { count: simulation.particles().len(), ..Rest::default() };
         rest.true_height = rest.count as f64 * simulation.particle_volume() / (2.0 * HALF_WIDTH).powi(2);
         let mut last = Window::new(simulation.particles().len());
         let mut half = None;
-        until(&mut simulation, self.end, &mut |simulation, report| {
+        run.until(&mut simulation, self.end, &mut |simulation, report| {
             rest.energies.push([simulation.time(), kinetic_energy(simulation)]);
             rest.inside += report.inside;
             rest.lost += report.removed;
