@@ -16,7 +16,6 @@
 mod cells;
 pub mod cost;
 pub mod oracle;
-pub mod settings;
 
 use crate::error::Error;
 use crate::maps::{Maps, numbered};
@@ -24,12 +23,12 @@ use crate::plan::{self, Plan};
 use crate::sdf::band::find_band;
 use crate::sdf::field::{DistanceField, values};
 use crate::sdf::{KnownDistance, SignedDistance};
+pub use crate::settings::density::{DensitySettings, KERNELS, parse_kernel};
 use crate::stage::Stage;
 use crate::volume_map::lattice::LatticeRule;
 use crate::watch::Watch;
 use cells::{copy, without};
 use glam::{DVec3, UVec3};
-pub use settings::{DensitySettings, KERNELS, parse_kernel};
 use volmap_formats::asset::Exterior;
 use volmap_runtime::Grid;
 use volmap_runtime::layout::Nodes;

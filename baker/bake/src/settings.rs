@@ -1,7 +1,9 @@
 //! What a map can be asked for.
 
-use crate::density_map::settings::DensitySettings;
+pub mod density;
+
 use crate::volume_map::quadrature::Rule;
+pub use density::DensitySettings;
 
 /// How the cells are chosen.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -1,12 +1,12 @@
 //! The summary of a bake: what a person wants to know of it, and how it is printed.
 
-use crate::density_map::settings::DensitySettings;
 use crate::input::Source;
 use crate::maps::Maps;
 use crate::mesh::{Diagnosis, OrientationRepair};
 use crate::plan::Plan;
 use crate::sdf::sign::SignChoice;
 use crate::sdf::sign_comparison::SignComparison;
+use crate::settings::density::DensitySettings;
 use crate::tolerance::Found;
 use glam::DVec3;
 use std::fmt::{self, Display, Formatter};
