@@ -156,10 +156,10 @@ impl<'a> Library<'a> {
             return self.with_density(shape, source, key);
         }
         let file = source.path().display();
-        let invert = if shape.map.exterior() == Exterior::Solid { " --invert" } else { "" };
+        let invert = if shape.map.exterior() == Exterior::Solid { " and invert = true" } else { "" };
         let reason = format!(
             "{file} was baked for a support radius of {has} m, but closure `{}` takes one of {needs} m here; bake its mesh \
-             again: volmap bake MESH -o {file} --support-radius {needs}{invert}, or name the mesh in the scene instead",
+             again with support_radius = {needs}{invert}, or name the mesh in the scene instead",
             self.closure
         );
         Err(Error::Scene { place: format!("{key}.map"), reason })
@@ -201,11 +201,11 @@ impl<'a> Library<'a> {
         let Some(kernel) = self.density else { return Ok(shape) };
         let Some(defect) = density_map::defect(shape.map.density_kernel(), kernel) else { return Ok(shape) };
         let file = source.path().display();
-        let invert = if shape.map.exterior() == Exterior::Solid { " --invert" } else { "" };
+        let invert = if shape.map.exterior() == Exterior::Solid { ", invert = true" } else { "" };
         let reason = format!(
             "{file} can't be used with boundary = \"density_map\": {defect}; name the mesh in the scene instead, or bake it \
-             again: volmap bake MESH -o {file} --support-radius {}{invert} --density --kernel {kernel} (its gamma ends at r, \
-             as in the paper, and the fluid keeps farther from walls)",
+             again with support_radius = {}{invert}, density = true, kernel = {kernel} (its gamma ends at r, as in the paper, \
+             and the fluid keeps farther from walls)",
             self.support_radius
         );
         Err(Error::Scene { place: format!("{key}.map"), reason })
@@ -311,7 +311,7 @@ fn open_asset(path: &Path) -> Result<Shape, Error> {
     let in_file = |error| volmap_runtime::Error::InFile { path: path.to_owned(), error: Box::new(error) };
     let map = VolumeMap::from_bytes(bytes).map_err(in_file)?;
     if map.dimension() == Dimension::Two {
-        let reason = "it is a map in two dimensions, and scenes are in three; bake a mesh: volmap bake MESH";
+        let reason = "it is a map in two dimensions, and scenes are in three; bake a mesh instead";
         return Err(Error::Scene { place: path.display().to_string(), reason: reason.into() });
     }
     Ok(Shape { map: Arc::new(map), mesh: None, origin: Origin::Asset, content })
