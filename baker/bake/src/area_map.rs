@@ -271,12 +271,14 @@ fn distance_field(
     let [band_cells, solid_cells] = cells_within(&grown, 3.0 * radius + 1.5 * size.length(), phi, &work)?;
     let places = places(&grown, &numbered(&grown, &band_cells)?);
     let distance = distances(&places, phi, &watch.begin(Stage::Distance.step(), places.len() as u64)?)?;
+    // Nobody asks this map for an area, but an asset has a positive one.
+    let disc = std::f64::consts::PI * radius * radius;
     Ok(VolumeMap::from_asset(&Asset {
         dimension: Dimension::Two,
         grid: grown.into(),
         support_radius: radius,
         exterior: Exterior::Fluid,
-        quadrature: QuadratureSpec { name: String::new(), degree: 0, points: 0, ball_volume: 0.0 },
+        quadrature: QuadratureSpec { name: String::new(), degree: 0, points: 0, ball_volume: disc },
         band_cells,
         solid_cells,
         volume: Array::F64(vec![0.0; distance.len()]),
