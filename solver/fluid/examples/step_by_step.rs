@@ -63,7 +63,7 @@ pub fn tenth_of_a_second(simulation: &mut Simulation) -> Result<String, Error> {
     }
     let (ball, [force, _]) = (simulation.bodies().state(1), simulation.body_forces()[1]);
     Ok(format!(
-        "{:.2} s: {steps} steps, {iterations} iterations; water's centre at {:.3} m, ball at {:.3} m, pushed by {:.1} N",
+        "{:.2} s: {steps} steps, {iterations} iterations; water's centre at {:.3} m, ball at {:.3} m, pushed {:.1} N",
         simulation.time(),
         observe::centre(simulation).y,
         ball.centre.y,

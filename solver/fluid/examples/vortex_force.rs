@@ -1,4 +1,5 @@
-//! A force of a program's own, with a vector that every particle carries: a block of fluid that shears, and the vortices in it.
+//! A force of a program's own, with a vector that every particle carries: a block of fluid that shears, and the
+//! vortices in it.
 //!
 //! ```text
 //! cargo run --release -p volmap-fluid --example vortex_force
@@ -131,7 +132,7 @@ pub fn run(steps: u64) -> Result<String, Error> {
     }
     let [momentum, _] = observe::momenta(&simulation);
     Ok(format!(
-        "after {:.3} s the mean spin is {:.3} 1/s (half of the curl of a shear of 2 1/s is -1), the momentum {:.1e} kg m/s",
+        "after {:.3} s: mean spin {:.3} 1/s (half of the curl of the shear is -1), momentum {:.1e} kg m/s",
         simulation.time(),
         mean_spin(&simulation),
         momentum.length()

@@ -1,8 +1,8 @@
-//! Blocks of cells: the particles of a small cube, which are worked on together, and those around it, which they may have as
-//! neighbours. The unit of parallel work.
+//! Blocks of cells: the particles of a small cube, which are worked on together, and those around it, which they may
+//! have as neighbours. The unit of parallel work.
 //!
-//! What a sum over neighbours reads of the particles of a block and around it is first laid side by side in a table, so that
-//! neighbours have numbers of 16 bits there and stay in the fastest cache.
+//! What a sum over neighbours reads of the particles of a block and around it is first laid side by side in a table,
+//! so that neighbours have numbers of 16 bits there and stay in the fastest cache.
 
 use crate::cells::{CELLS_OF_TILE, Cells};
 use crate::pairs::table::MOST;
@@ -10,7 +10,8 @@ use glam::IVec3;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Cells of a block, a cube of 4^3; with many particles a whole tile, whose surroundings are the smaller part of its table.
+/// Cells of a block, a cube of 4^3; with many particles a whole tile, whose surroundings are the smaller part of its
+/// table.
 const FEW_CELLS: usize = 64;
 const MANY_CELLS: usize = CELLS_OF_TILE;
 /// From how many particles on; there are then blocks enough for many threads.

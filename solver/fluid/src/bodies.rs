@@ -177,8 +177,8 @@ impl Bodies {
         self.forces[body][1] += torque_about_centre_of_mass;
     }
 
-    /// Linear and angular acceleration (m/s^2, rad/s^2) that a force (N) and a torque about the centre of mass (N m) give a
-    /// body; none if it isn't free, or along axes that are locked.
+    /// Linear and angular acceleration (m/s^2, rad/s^2) that a force (N) and a torque about the centre of mass (N m)
+    /// give a body; none if it isn't free, or along axes that are locked.
     pub fn response(&self, body: usize, force: DVec3, torque: DVec3) -> [DVec3; 2] {
         let (Motion::Free(free), Some(mass)) = (&self.bodies[body].motion, &self.bodies[body].mass) else {
             return [DVec3::ZERO; 2];

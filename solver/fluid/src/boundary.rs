@@ -1,14 +1,16 @@
 //! What the particles near a body see of it, once a step: one small interface for all boundary methods.
 //!
-//! Every method makes contacts, each with a density and its gradient; their sum is a particle's wall. A method is a file:
+//! Every method makes contacts, each with a density and its gradient; their sum is a particle's wall. A method is a
+//! file:
 //!
-//! - [`volume_map`]: Bender et al. 2020, *Implicit Frictional Boundary Handling for SPH*, section 4.3, with any closure;
+//! - [`volume_map`]: Bender et al. 2020, *Implicit Frictional Boundary Handling for SPH*, section 4.3, with any
+//!   closure;
 //! - [`density_map`]: Koschier and Bender 2017, *Density Maps for Improved SPH Boundary Handling*;
 //! - [`particles`]: Akinci et al. 2012, *Versatile Rigid-Fluid Coupling for Incompressible SPH*;
 //! - [`tube_map`]: Nogina and Sellan 2026, *Tube Maps*, in our own derivation;
 //!
-//! and [`pressure`] is what pressure the boundary has at a contact. Which particles are in a body the map tells, whatever
-//! the method.
+//! and [`pressure`] is what pressure the boundary has at a contact. Which particles are in a body the map tells,
+//! whatever the method.
 
 pub mod density_map;
 pub mod drag;
@@ -41,7 +43,8 @@ pub struct Wall {
     pub flux: f32,
 }
 
-/// A particle and a body in reach of each other: one for each of them on maps, one for each of the body's particles else.
+/// A particle and a body in reach of each other: one for each of them on maps, one for each of the body's particles
+/// else.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
     /// The particle.
@@ -141,7 +144,8 @@ impl Boundary {
         Ok(Boundary { of_particle: Vec::new(), kernel, method, blocks: Vec::new() })
     }
 
-    /// Finds the contacts of all particles (positions in metres) with all bodies, block by block; `neighbours` are theirs.
+    /// Finds the contacts of all particles (positions in metres) with all bodies, block by block; `neighbours` are
+    /// theirs.
     pub fn sample(&mut self, bodies: &Bodies, positions: &[DVec3], neighbours: &Neighbours) {
         self.of_particle.clear();
         self.of_particle.resize(positions.len(), Wall::default());

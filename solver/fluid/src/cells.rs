@@ -1,7 +1,8 @@
 //! Particles sorted by cells of the support radius, so that those near in space are near in memory.
 //!
 //! Cells stand in tiles of 8 x 8 x 8 along a z-order curve (Ihmsen et al. 2011, *A Parallel SPH Implementation on
-//! Multi-Core CPUs*); tiles row by row, x fastest. The sort counts, is stable, and so the same on any number of threads.
+//! Multi-Core CPUs*); tiles row by row, x fastest. The sort counts, is stable, and so the same on any number of
+//! threads.
 
 use glam::IVec3;
 use rayon::prelude::*;
@@ -10,8 +11,8 @@ use volmap_runtime::DVec3;
 /// Cells along an edge of a tile.
 const TILE: i32 = 8;
 pub(crate) const CELLS_OF_TILE: usize = (TILE * TILE * TILE) as usize;
-/// Cells at most for each particle, and at most and at least of all: 4 bytes and a visit in every step each. Where a wide
-/// domain would need more, they become larger.
+/// Cells at most for each particle, and at most and at least of all: 4 bytes and a visit in every step each. Where a
+/// wide domain would need more, they become larger.
 const CELLS_PER_PARTICLE: usize = 64;
 const MOST_CELLS: usize = 1 << 27;
 const FEW_CELLS: usize = 1 << 16;
@@ -36,7 +37,8 @@ impl Cells {
         self.enclose(positions, support_radius);
         let mut keys = std::mem::take(&mut self.keys);
         positions.par_iter().map(|&x| self.number(self.cell(x)) as u32).collect_into_vec(&mut keys);
-        // Counted two cells on, so that what is added up are the beginnings one cell on, and after the sort those of each cell.
+        // Counted two cells on, so that what is added up are the beginnings one cell on, and after the sort those of
+        // each cell.
         let cells = self.tiles.element_product() as usize * CELLS_OF_TILE;
         self.starts.clear();
         self.starts.resize(cells + 2, 0);

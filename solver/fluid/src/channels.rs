@@ -1,4 +1,5 @@
-//! Channels: named numbers or vectors that every particle carries from one step to the next, beside its place and velocity.
+//! Channels: named numbers or vectors that every particle carries from one step to the next, beside its place and
+//! velocity.
 //!
 //! A force declares those it needs. They are then added, put into another order and removed with the particles, and
 //! check-points and frames have them, all without another line.

@@ -9,7 +9,8 @@ pub struct Discretization {
     pub kernel: KernelKind,
     /// Its support radius r, metres.
     pub support_radius: f64,
-    /// Volume V of a particle, m^3; in two dimensions as [`World::volume_in_sums`](crate::settings::World::volume_in_sums) has it.
+    /// Volume V of a particle, m^3; in two dimensions as
+    /// [`World::volume_in_sums`](crate::settings::World::volume_in_sums) has it.
     pub volume: f64,
     /// In how many dimensions: of the Laplacian.
     pub dimension: Dimension,

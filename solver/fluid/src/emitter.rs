@@ -22,8 +22,8 @@ pub struct Jet {
     pub max_particles: u64,
 }
 
-/// A nozzle at work. It is deterministic and doesn't depend on the steps: layer k is due at start + k spacing / speed, and
-/// lies where the flow has carried it since.
+/// A nozzle at work. It is deterministic and doesn't depend on the steps: layer k is due at start + k spacing /
+/// speed, and lies where the flow has carried it since.
 #[derive(Clone, Debug)]
 pub struct Emitter {
     /// How far it is; what a check-point has to keep.

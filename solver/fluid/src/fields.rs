@@ -34,8 +34,8 @@ pub struct Fields {
     pub(crate) sources: Vec<f32>,
     /// Relaxation / factor; 0 where a particle takes no part.
     pub(crate) steps: Vec<f32>,
-    /// Free bodies' accelerations times the boundary's gradients, 1/s^2, and what their giving way adds to the factors, 1/m^2;
-    /// empty where none is near.
+    /// Free bodies' accelerations times the boundary's gradients, 1/s^2, and what their giving way adds to the
+    /// factors, 1/m^2; empty where none is near.
     pub(crate) body_flux: Vec<f32>,
     pub(crate) body_factors: Vec<f32>,
     /// p_b / rho_0 where the boundary's pressure is extrapolated to, m^2/s^2.

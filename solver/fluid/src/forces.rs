@@ -1,12 +1,12 @@
-//! Forces: what acts on the fluid between the divergence solve and the density solve (Band et al. 2018, Algorithm 1), each in
-//! a file of its own.
+//! Forces: what acts on the fluid between the divergence solve and the density solve (Band et al. 2018, Algorithm 1),
+//! each in a file of its own.
 //!
 //! ```text
 //! divergence solve -> accelerate (all explicit forces) -> v += dt a -> solve (all implicit forces) -> density solve
 //! ```
-//! A [`Force`] has settings, a limit on the time step, [channels](crate::channels) of the particles, and does one of two things:
-//! it adds accelerations, or it solves for new velocities. [`ForceSettings`] lists those that a scene can ask for by a table of
-//! their own, `[forces.NAME]`; a program can add others of its own by
+//! A [`Force`] has settings, a limit on the time step, [channels](crate::channels) of the particles, and does one of
+//! two things: it adds accelerations, or it solves for new velocities. [`ForceSettings`] lists those that a scene can
+//! ask for by a table of their own, `[forces.NAME]`; a program can add others of its own by
 //! [`Setup::forces`](crate::setup::Setup::forces).
 
 pub mod damping;
@@ -64,7 +64,8 @@ pub trait Force: Send + Sync {
     ) {
     }
 
-    /// An implicit force: changes the velocities (m/s), which explicit forces have changed before; none if it has nothing to solve.
+    /// An implicit force: changes the velocities (m/s), which explicit forces have changed before; none if it has
+    /// nothing to solve.
     fn solve(&mut self, _step: &Step, _velocities: &mut [Quad], _channels: &mut Channels) -> Option<Solved> {
         None
     }
@@ -84,8 +85,8 @@ pub struct Defect {
     pub reason: String,
 }
 
-/// What a force sees of a step, beside the velocities. Particles are in the order of their cells; lists have one element for each.
-/// The fourth number of a quad is 0.
+/// What a force sees of a step, beside the velocities. Particles are in the order of their cells; lists have one
+/// element for each. The fourth number of a quad is 0.
 pub struct Step<'a> {
     /// Its length, seconds.
     pub dt: f64,
@@ -169,7 +170,8 @@ impl Forces {
         }
     }
 
-    /// Changes the velocities by all implicit forces: iterations of all, the largest error, and all forces on the bodies.
+    /// Changes the velocities by all implicit forces: iterations of all, the largest error, and all forces on the
+    /// bodies.
     pub fn solve(&mut self, step: &Step, velocities: &mut [Quad], channels: &mut Channels) -> Solved {
         let mut sum = Solved::default();
         for force in &mut self.list {

@@ -1,5 +1,5 @@
-//! Which particles are nearer than the support radius, and what they are to each other: the [pairs](crate::pairs) of all
-//! blocks, made once a step.
+//! Which particles are nearer than the support radius, and what they are to each other: the [pairs](crate::pairs) of
+//! all blocks, made once a step.
 //!
 //! A block's search finds who is near whom; its rows are written from that, and with them the sums that go by
 //! the places alone: density and factor.
@@ -51,8 +51,8 @@ pub struct Sought {
 }
 
 impl Neighbours {
-    /// Finds all neighbours of particles that are sorted by `cells`; `places` are theirs in support radii. What the neighbours
-    /// amount to comes into `densities`.
+    /// Finds all neighbours of particles that are sorted by `cells`; `places` are theirs in support radii. What the
+    /// neighbours amount to comes into `densities`.
     ///
     /// # Errors
     /// [`TooDense`]
@@ -105,8 +105,8 @@ impl Neighbours {
         self.lists.par_iter().zip(self.split(values))
     }
 
-    /// Shows every particle with its neighbours and its value to `f`, on all threads: for forces of a program's own. The solver's
-    /// own sums are faster, as they read values from tables.
+    /// Shows every particle with its neighbours and its value to `f`, on all threads: for forces of a program's own.
+    /// The solver's own sums are faster, as they read values from tables.
     pub fn each<T: Send>(&self, values: &mut [T], f: impl Fn(usize, &[Neighbour], &mut T) + Sync) {
         self.with(values).for_each_init(Default::default, |(numbers, near), (lists, values)| {
             lists.each(numbers, near, |within, near| f(lists.first + within, near, &mut values[within]));

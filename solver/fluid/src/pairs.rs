@@ -1,7 +1,7 @@
 //! Pairs of neighbours, and the sums over them: all that the solver asks of who is near whom.
 //!
-//! A pair is what one particle is to another, V grad W_ij in fixed point, and where the other's values stand in a table.
-//! Eight bytes: a sum reads them one after the other, and of the other particle one quad.
+//! A pair is what one particle is to another, V grad W_ij in fixed point, and where the other's values stand in a
+//! table. Eight bytes: a sum reads them one after the other, and of the other particle one quad.
 //!
 //! ```text
 //! bytes  0 1   2 3   4 5   6 7
@@ -9,17 +9,18 @@
 //!        x     y     z
 //! ```
 //!
-//! Pairs stand in rows of eight, one for each of eight particles, a slice; the particles of a slice have about as many
-//! neighbours (Kreutzer et al. 2014, *A Unified Sparse Matrix Data Format*, SELL-C-sigma with C = 8). Where one has fewer, pairs
-//! of no gradient fill its place.
+//! Pairs stand in rows of eight, one for each of eight particles, a slice; the particles of a slice have about as
+//! many neighbours (Kreutzer et al. 2014, *A Unified Sparse Matrix Data Format*, SELL-C-sigma with C = 8). Where one
+//! has fewer, pairs of no gradient fill its place.
 //!
 //! ```text
 //! row 0:  pair of particle a, of b, .. of h      64 bytes
 //! row 1:  second pair of a, ..
 //! ```
 //!
-//! Fixed point: the largest gradient that a kernel has is some 32,000, so that a pair is exact to 2e-5 of it; grad W_ij is exactly
-//! -grad W_ji, and sums of some hundreds of them are exact. The factor is V, the kernel's largest slope and the radius.
+//! Fixed point: the largest gradient that a kernel has is some 32,000, so that a pair is exact to 2e-5 of it; grad
+//! W_ij is exactly -grad W_ji, and sums of some hundreds of them are exact. The factor is V, the kernel's largest
+//! slope and the radius.
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;

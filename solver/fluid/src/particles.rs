@@ -62,7 +62,8 @@ impl Particles {
         self.positions.capacity() * (own + self.channels.bytes_of_particle())
     }
 
-    /// Puts the particles into a new order, which may leave some out: old indices. `spare` is room, which becomes what was.
+    /// Puts the particles into a new order, which may leave some out: old indices. `spare` is room, which becomes
+    /// what was.
     pub fn reorder(&mut self, order: &[u32], spare: &mut Particles) {
         reorder(&self.positions, order, &mut spare.positions);
         reorder(&self.velocities, order, &mut spare.velocities);

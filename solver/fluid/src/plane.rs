@@ -1,7 +1,8 @@
 //! Fluids in two dimensions, as Fig. 11 of Bender et al. 2020 has one: all that is other there.
 //!
-//! The kernel in the plane is the one in space times a length, [`KernelKind::plane_thickness`](volmap_runtime::KernelKind::plane_thickness) r. So a particle of area A is,
-//! to all sums of the solver, one in space of volume A times that length, in a plane z = 0 that nothing leaves: particles
+//! The kernel in the plane is the one in space times a length,
+//! [`KernelKind::plane_thickness`](volmap_runtime::KernelKind::plane_thickness) r. So a particle of area A is, to all
+//! sums of the solver, one in space of volume A times that length, in a plane z = 0 that nothing leaves: particles
 //! begin there and no force has a z. Forces, masses and energies are those of a metre along z.
 
 use crate::bodies::{Bodies, FluidContact};

@@ -4,9 +4,10 @@
 //! a_j) . grad W_ij + a_i . grad rho_B / rho_0, for the accelerations a of Eq. 1; both solves look for P >= 0 so that
 //! source + A <= 0, with equality where P > 0.
 //!
-//! The boundary's part of a is Eq. 15 of Bender et al. 2020. Its second term, the boundary's pressure, is left out unless
-//! asked for ([`crate::boundary::pressure`]): without it, forces are the gradient of what is to be kept constant, so that
-//! the solves take no energy from the boundary and give it none. The closure `mirror` has the image's part in its gradient.
+//! The boundary's part of a is Eq. 15 of Bender et al. 2020. Its second term, the boundary's pressure, is left out
+//! unless asked for ([`crate::boundary::pressure`]): without it, forces are the gradient of what is to be kept
+//! constant, so that the solves take no energy from the boundary and give it none. The closure `mirror` has the
+//! image's part in its gradient.
 
 use crate::bodies::Bodies;
 use crate::boundary::Boundary;
@@ -26,12 +27,13 @@ use rayon::prelude::*;
 /// Factors times r^2 below this are those of particles without neighbours.
 const SMALLEST_FACTOR: f32 = 1e-8;
 
-/// Particles whose density is below this may be compressed: those at the surface, spray, and blocks that begin loosely. Their
-/// divergence is left alone.
+/// Particles whose density is below this may be compressed: those at the surface, spray, and blocks that begin
+/// loosely. Their divergence is left alone.
 const SURFACE_DENSITY: f32 = 0.9;
 
-/// How much of a density's error, in parts of the rest density, is corrected in a step. In a flow it is a tenth of this; but
-/// particles that begin too close together, beside a rough wall or in each other, would be thrown apart at once.
+/// How much of a density's error, in parts of the rest density, is corrected in a step. In a flow it is a tenth of
+/// this; but particles that begin too close together, beside a rough wall or in each other, would be thrown apart at
+/// once.
 const MOST_CORRECTION: f32 = 0.01;
 
 impl Fields {
@@ -48,7 +50,8 @@ impl Fields {
         self.iterate(solve)
     }
 
-    /// The source of each particle, from its density, the rate at which the velocity raises it, and dt, and whether it takes part.
+    /// The source of each particle, from its density, the rate at which the velocity raises it, and dt, and whether
+    /// it takes part.
     fn sources(&mut self, solve: &Solve, source: impl Fn(f32, f32, f32) -> (f32, bool) + Sync) {
         self.sources.resize(self.len(), 0.0);
         self.steps.resize(self.len(), 0.0);
@@ -171,7 +174,8 @@ impl Fields {
 /// The errors of a block, some thousands at most, are summed up in as many parts, so that several are added at once.
 const PARTS: usize = 8;
 
-/// A Jacobi step of a block's particles: `out` has what their pressures compress, and gets the new ones. The sum of the errors.
+/// A Jacobi step of a block's particles: `out` has what their pressures compress, and gets the new ones. The sum of
+/// the errors.
 fn step_by(out: &mut [f32], pressures: &[f32], sources: &[f32], steps: &[f32]) -> f64 {
     let mut sums = [0.0; PARTS];
     let chunks = out.chunks_mut(PARTS).zip(pressures.chunks(PARTS));
@@ -185,8 +189,8 @@ fn step_by(out: &mut [f32], pressures: &[f32], sources: &[f32], steps: &[f32]) -
     sums.into_iter().map(f64::from).sum()
 }
 
-/// How fast a vector field compresses the particles of a block: the sum of V (u_i - u_j) . grad W_ij + u_i . grad rho_B / rho_0, which
-/// is dD/dt for a velocity among bodies at rest.
+/// How fast a vector field compresses the particles of a block: the sum of V (u_i - u_j) . grad W_ij + u_i . grad
+/// rho_B / rho_0, which is dD/dt for a velocity among bodies at rest.
 fn flux(lists: &Lists, field: &[Quad], gradients: &[Quad], out: &mut [f32]) {
     workspace::work(lists, |workspace| {
         workspace.vectors.fill(lists.table(), field);

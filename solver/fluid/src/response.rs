@@ -1,7 +1,7 @@
-//! Free bodies give way within a solve: they move under the pressures that are being looked for, so that fluid and body
-//! agree at the end of the step. Without it, a solve pushes bodies as if they were immovable, and light ones are thrown
-//! about: the fluid they carry along weighs more than they do. Gissler et al. 2019, *Interlinked SPH Pressure Solvers for
-//! Strong Fluid-Rigid Coupling*.
+//! Free bodies give way within a solve: they move under the pressures that are being looked for, so that fluid and
+//! body agree at the end of the step. Without it, a solve pushes bodies as if they were immovable, and light ones are
+//! thrown about: the fluid they carry along weighs more than they do. Gissler et al. 2019, *Interlinked SPH Pressure
+//! Solvers for Strong Fluid-Rigid Coupling*.
 
 use crate::bodies::Bodies;
 use crate::boundary::{Boundary, Contact};
@@ -20,7 +20,8 @@ pub struct Response<'a> {
 }
 
 impl<'a> Response<'a> {
-    /// Of a particle's mass (kg). `with_known`: what gravity and the forces so far do to the bodies in this step counts.
+    /// Of a particle's mass (kg). `with_known`: what gravity and the forces so far do to the bodies in this step
+    /// counts.
     pub fn new(bodies: &'a Bodies, boundary: &'a Boundary, mass: f64, with_known: bool) -> Response<'a> {
         let count = bodies.posed().len();
         let free: Vec<bool> = (0..count).map(|body| bodies.is_free(body)).collect();
@@ -51,8 +52,9 @@ impl<'a> Response<'a> {
         self.add(&motions, flux);
     }
 
-    /// Adds to `factors`, one for each particle, a bound of what giving way does there to all pressures of one: the sum of
-    /// the absolute values in its row of the system. Jacobi's steps stay stable with it, however light a body is.
+    /// Adds to `factors`, one for each particle, a bound of what giving way does there to all pressures of one: the
+    /// sum of the absolute values in its row of the system. Jacobi's steps stay stable with it, however light a body
+    /// is.
     pub fn add_bounds(&self, factors: &mut [f32]) {
         let mut sums = vec![[0.0; 2]; self.known.len()];
         for contact in &self.contacts {

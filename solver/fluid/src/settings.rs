@@ -41,8 +41,8 @@ pub struct SolveSettings {
     pub max_iterations: u32,
 }
 
-/// The viscous solve, by conjugate gradients: Weiler et al. 2018, *A Physically Consistent Implicit Viscosity Solver for SPH
-/// Fluids*. Done where the fluid's viscosity is implicit or bodies' surfaces have a drag.
+/// The viscous solve, by conjugate gradients: Weiler et al. 2018, *A Physically Consistent Implicit Viscosity Solver
+/// for SPH Fluids*. Done where the fluid's viscosity is implicit or bodies' surfaces have a drag.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ViscositySolveSettings {
@@ -103,11 +103,12 @@ pub struct FluidSettings {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum ViscosityMethod {
-    /// From the velocities before the step; it bounds the step, by r^2 / (120 nu) for the cubic spline. For thin fluids.
+    /// From the velocities before the step; it bounds the step, by r^2 / (120 nu) for the cubic spline. For thin
+    /// fluids.
     #[default]
     Explicit,
-    /// From those after it, for which a system is solved (`solver.viscosity`); steps are as long as without viscosity. For
-    /// thick fluids.
+    /// From those after it, for which a system is solved (`solver.viscosity`); steps are as long as without
+    /// viscosity. For thick fluids.
     Implicit,
 }
 

@@ -45,8 +45,8 @@ impl Setup {
         }
     }
 
-    /// The domain, or the default one: all that is there at the start, grown on each side by its own diagonal, or by what a drop
-    /// may fall.
+    /// The domain, or the default one: all that is there at the start, grown on each side by its own diagonal, or by
+    /// what a drop may fall.
     pub(crate) fn domain_or_default(&self) -> [DVec3; 2] {
         self.domain
             .unwrap_or_else(|| default_domain(&self.particles, &self.emitters, &self.bodies, &self.world))

@@ -19,8 +19,8 @@ pub struct Shape {
     pub map: Arc<VolumeMap>,
 }
 
-/// A mesh baked for the default closure and a kernel's support radius (metres), as scenes do; of a container the solid is
-/// outside.
+/// A mesh baked for the default closure and a kernel's support radius (metres), as scenes do; of a container the
+/// solid is outside.
 ///
 /// # Errors
 /// As [`bake`].

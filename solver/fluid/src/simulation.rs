@@ -87,7 +87,8 @@ pub struct StepReport {
     pub density: SolveReport,
     /// The divergence solve.
     pub divergence: SolveReport,
-    /// The solves of implicit forces, as that of [viscosity](crate::forces::implicit_viscosity): iterations of all, the largest error.
+    /// The solves of implicit forces, as that of [viscosity](crate::forces::implicit_viscosity): iterations of all,
+    /// the largest error.
     pub viscosity: SolveReport,
     /// Largest speed at its beginning, m/s, that of bodies where they touch the fluid included.
     pub max_speed: f64,
@@ -145,7 +146,8 @@ impl Simulation {
     /// # Errors
     /// [`Error::Simulation`] when what is computed is no fluid any more; the state is then of no use.
     pub fn step(&mut self) -> Result<StepReport, Error> {
-        // All on one of rayon's threads: from outside, each parallel loop would put this thread to sleep and wake it again.
+        // All on one of rayon's threads: from outside, each parallel loop would put this thread to sleep and wake it
+        // again.
         rayon::scope(|_| self.perform())
     }
 
@@ -198,8 +200,8 @@ impl Simulation {
         let way = max_speed * smallest;
         if way.is_nan() || way > self.world.support_radius {
             return Err(self.stopped(format!(
-                "the largest speed is {} m/s: a particle crosses the support radius of {} m in the smallest time step, {} s; \
-                 allow smaller steps (solver.time_step), or look for fluid that begins in a \
+                "the largest speed is {} m/s: a particle crosses the support radius of {} m in the smallest \
+                 time step, {} s; allow smaller steps (solver.time_step), or look for fluid that begins in a \
                  body or on top of other fluid",
                 number(max_speed),
                 self.world.support_radius,
@@ -234,8 +236,8 @@ impl Simulation {
     fn too_dense(&self, TooDense { particle }: TooDense) -> Error {
         let DVec3 { x, y, z } = self.particles.positions[particle];
         self.stopped(format!(
-            "more than {MOST} particles are near each other at ({x:.4}, {y:.4}, {z:.4}): look for fluid that begins on top of other \
-             fluid, or for one far away from the others, and give a smaller domain"
+            "more than {MOST} particles are near each other at ({x:.4}, {y:.4}, {z:.4}): look for fluid that \
+             begins on top of other fluid, or for one far away from the others, and give a smaller domain"
         ))
     }
 
@@ -399,8 +401,8 @@ impl Simulation {
         &self.bodies
     }
 
-    /// The fluid's force (N) on each body in the last step, and its torque (N m) about the centre of mass; if no body is
-    /// free, by drag alone.
+    /// The fluid's force (N) on each body in the last step, and its torque (N m) about the centre of mass; if no body
+    /// is free, by drag alone.
     pub fn body_forces(&self) -> &[[DVec3; 2]] {
         &self.body_forces
     }

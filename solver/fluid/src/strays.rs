@@ -1,8 +1,9 @@
 //! Particles where none may be: in a body, or out of the domain. Counted, brought back or removed, never in silence.
 //!
 //! A particle in a body is moved towards the surface and a little beyond, by its radius in every step, and keeps no
-//! velocity along the way: what pressure would make of a particle that sees nothing but wall must not shoot it out. So it
-//! gains no energy. The way out is along the normal, or, deeper than the map's band, along the shortest of 26 rays.
+//! velocity along the way: what pressure would make of a particle that sees nothing but wall must not shoot it out.
+//! So it gains no energy. The way out is along the normal, or, deeper than the map's band, along the shortest of 26
+//! rays.
 
 use crate::bodies::Bodies;
 use crate::boundary::Inside;
@@ -15,8 +16,8 @@ const BEYOND: f64 = 0.5;
 const LONGEST_RAY: u32 = 64;
 const RAY_STEP: f64 = 1.0;
 
-/// Moves particles that are in bodies towards the surface, at the end of a step of `dt` seconds. `inside` are those at its
-/// beginning; places and velocities are new.
+/// Moves particles that are in bodies towards the surface, at the end of a step of `dt` seconds. `inside` are those
+/// at its beginning; places and velocities are new.
 pub fn bring_back<'a>(
     particles: &mut Particles,
     inside: impl Iterator<Item = &'a Inside>,

@@ -1,4 +1,5 @@
-//! Fluids in two dimensions: water at rest has the pressure of its depth and stays in its plane, and what isn't known there is refused.
+//! Fluids in two dimensions: water at rest has the pressure of its depth and stays in its plane, and what isn't known
+//! there is refused.
 
 use std::sync::Arc;
 use volmap_bake::area_map::outline::OutlineDistance;

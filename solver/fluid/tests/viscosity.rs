@@ -1,6 +1,8 @@
-//! Implicit viscosity and the drag of bodies in the whole step: closed forms of viscous flow, conservation, sticking, friction.
+//! Implicit viscosity and the drag of bodies in the whole step: closed forms of viscous flow, conservation, sticking,
+//! friction.
 //!
-//! Weiler et al. 2018, *A Physically Consistent Implicit Viscosity Solver for SPH Fluids*; Bender et al. 2020, section 4.4.
+//! Weiler et al. 2018, *A Physically Consistent Implicit Viscosity Solver for SPH Fluids*; Bender et al. 2020,
+//! section 4.4.
 
 use std::f64::consts::PI;
 use volmap_fluid::bodies::{
@@ -64,8 +66,9 @@ fn touched(body: BodyDescription, viscosity: f64, friction: f64) -> BodyDescript
     BodyDescription { fluid_contact: FluidContact { viscosity, friction }, ..body }
 }
 
-/// How viscous Eq. 16 makes a cubic lattice of spacing r/2, in parts of nu: for a shear wave, cos(k . x) along `direction`, the sum
-/// of its terms over nu k^2. Along the lattice's axes it is 0.7, along its diagonals more; 1 is the mean over all directions.
+/// How viscous Eq. 16 makes a cubic lattice of spacing r/2, in parts of nu: for a shear wave, cos(k . x) along
+/// `direction`, the sum of its terms over nu k^2. Along the lattice's axes it is 0.7, along its diagonals more; 1 is
+/// the mean over all directions.
 fn lattice_part(wave: DVec3, direction: DVec3) -> f64 {
     let offsets = (-2..=2).flat_map(|x| (-2..=2).flat_map(move |y| (-2..=2).map(move |z| [x, y, z])));
     let term = |at: [i32; 3]| {
@@ -89,8 +92,8 @@ fn along_axes() -> f64 {
     lattice_part(1e-2 * DVec3::Y, DVec3::X)
 }
 
-/// v = a cos(k . x) decays as exp(-nu k^2 t), in implicit steps as (1 + dt nu k^2)^-n; these are 8 times as long as explicit
-/// ones. The rate of decay, in parts of that.
+/// v = a cos(k . x) decays as exp(-nu k^2 t), in implicit steps as (1 + dt nu k^2)^-n; these are 8 times as long as
+/// explicit ones. The rate of decay, in parts of that.
 fn decay(wave: DVec3, direction: DVec3) -> f64 {
     let viscosity = 4.0;
     let mut setup = thick(viscosity, DVec3::ZERO, Vec::new());
@@ -165,8 +168,8 @@ fn plates(height: f64, viscosity: f64, top: Motion) -> Vec<BodyDescription> {
         .into()
 }
 
-/// No slip needs 0.155 of the fluid's viscosity at the wall, if the first layer lies RP from it: 1 / the sum over the layers of
-/// 2 rp lambda(y) y, lambda the rate of Eq. 16 over nu_B at their heights y = rp and 3 rp.
+/// No slip needs 0.155 of the fluid's viscosity at the wall, if the first layer lies RP from it: 1 / the sum over the
+/// layers of 2 rp lambda(y) y, lambda the rate of Eq. 16 over nu_B at their heights y = rp and 3 rp.
 const NO_SLIP: f64 = 0.155;
 
 #[test]

@@ -73,8 +73,8 @@ pub struct ContactMaterial {
     pub restitution: f64,
 }
 
-/// Drag of a body's surface on the fluid: Bender et al. 2020, section 4.4. Both are kinematic, mu_B / rho_0, in m^2/s, as the
-/// fluid's viscosity; they add up, and by default are 0: the fluid slips.
+/// Drag of a body's surface on the fluid: Bender et al. 2020, section 4.4. Both are kinematic, mu_B / rho_0, in
+/// m^2/s, as the fluid's viscosity; they add up, and by default are 0: the fluid slips.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FluidContact {
     /// Sticking: viscosity between body and fluid (Eq. 16 and 17).

@@ -1,6 +1,6 @@
-//! Boundaries by density maps: Koschier and Bender 2017, *Density Maps for Improved SPH Boundary Handling*; Bender et al.
-//! 2020, Eq. 9 and 11. The map holds the density itself, for one kernel; its gradient is that of the shape functions, and
-//! jumps between cells. A contact for each particle and body, at the closest point of the surface.
+//! Boundaries by density maps: Koschier and Bender 2017, *Density Maps for Improved SPH Boundary Handling*; Bender et
+//! al. 2020, Eq. 9 and 11. The map holds the density itself, for one kernel; its gradient is that of the shape
+//! functions, and jumps between cells. A contact for each particle and body, at the closest point of the surface.
 
 use super::{Contact, Pairing, Scratch};
 use crate::bodies::Bodies;
@@ -8,8 +8,8 @@ use crate::error::Error;
 use volmap_bake::density_map::KERNELS;
 use volmap_runtime::{KernelKind, Sample};
 
-/// Where gamma of Eq. 11 becomes 0, in support radii: as the authors' own program has it. With the paper's 1, a wall's density
-/// is 1 at its surface and reaches 2 r: fluid a spacing from a wall is thrown off.
+/// Where gamma of Eq. 11 becomes 0, in support radii: as the authors' own program has it. With the paper's 1, a
+/// wall's density is 1 at its surface and reaches 2 r: fluid a spacing from a wall is thrown off.
 pub const EXTENSION: f64 = 0.2;
 
 /// What is wrong with the density of a map for this kernel, if anything.

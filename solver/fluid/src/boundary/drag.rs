@@ -1,15 +1,17 @@
-//! Drag of a body's surface on the particles near it: sticking and tangential friction, Bender et al. 2020, section 4.4.
+//! Drag of a body's surface on the particles near it: sticking and tangential friction, Bender et al. 2020, section
+//! 4.4.
 //!
-//! The paper evaluates Eq. 16 (sticking) and Eq. 19 (tangential friction) at the four points x* +- d t1, x* +- d t2 around the
-//! closest point, d = r/2, each of a quarter of the boundary's volume. All four are s = sqrt(d^2 + Phi^2) away, so that their
-//! sums are known, whatever the tangents t1 and t2 are:
+//! The paper evaluates Eq. 16 (sticking) and Eq. 19 (tangential friction) at the four points x* +- d t1, x* +- d t2
+//! around the closest point, d = r/2, each of a quarter of the boundary's volume. All four are s = sqrt(d^2 + Phi^2)
+//! away, so that their sums are known, whatever the tangents t1 and t2 are:
 //! ```text
-//! a = -k [(nu_s + nu_f) 2 d^2 (1 - n n^T) + nu_s 4 Phi^2 n n^T] (v_i - v_B),   k = 2 (d + 2) V/4 |W'(s)| / s / (s^2 + 0.01 r^2)
+//! a = -k [(nu_s + nu_f) 2 d^2 (1 - n n^T) + nu_s 4 Phi^2 n n^T] (v_i - v_B)
+//! k = 2 (d + 2) V/4 |W'(s)| / s / (s^2 + 0.01 r^2)
 //! ```
-//! with nu_s the coefficient of sticking and nu_f that of friction. v_B is the body's velocity continued to x_i: the four
-//! velocities of Eq. 17 amount to that exactly, and the four opposite forces, each along the line through x_i and its point, to
-//! one at x_i, so that angular momentum is kept, too. In Eq. 19 a rotation about a tangent drops out and v_B is that at x*; here
-//! it is that at x_i as well: fluid and body that turn together don't rub.
+//! with nu_s the coefficient of sticking and nu_f that of friction. v_B is the body's velocity continued to x_i: the
+//! four velocities of Eq. 17 amount to that exactly, and the four opposite forces, each along the line through x_i
+//! and its point, to one at x_i, so that angular momentum is kept, too. In Eq. 19 a rotation about a tangent drops
+//! out and v_B is that at x*; here it is that at x_i as well: fluid and body that turn together don't rub.
 
 use crate::bodies::{Bodies, FluidContact};
 use volmap_runtime::{DVec3, Kernel, Surface};
@@ -99,8 +101,8 @@ mod tests {
     use super::*;
     use volmap_runtime::{DQuat, KernelKind};
 
-    /// A particle and a body that move and turn somehow, and what the four points make of it: force on the particle for each
-    /// mass, and the torque of its opposite about the body's centre.
+    /// A particle and a body that move and turn somehow, and what the four points make of it: force on the particle
+    /// for each mass, and the torque of its opposite about the body's centre.
     fn four_points(
         boundary: &Surface,
         x: DVec3,

@@ -1,8 +1,8 @@
 //! Boundaries by particles: Akinci et al. 2012, *Versatile Rigid-Fluid Coupling for Incompressible SPH*.
 //!
-//! A body's surface is sampled by particles ([`super::sampling`]). Each stands for the volume that it has
-//! among its own kind, psi_b = rho_0 V_b with V_b = 1 / sum over k of W_bk (Eq. 4 and 5; k runs over the same body's), and
-//! a fluid particle sees rho_0 V_b W_ib of it: a contact for each boundary particle in reach. At a plane the sum is
+//! A body's surface is sampled by particles ([`super::sampling`]). Each stands for the volume that it has among its
+//! own kind, psi_b = rho_0 V_b with V_b = 1 / sum over k of W_bk (Eq. 4 and 5; k runs over the same body's), and a
+//! fluid particle sees rho_0 V_b W_ib of it: a contact for each boundary particle in reach. At a plane the sum is
 //! rho_0 W_1(d) / W_1(0), W_1 being the kernel integrated over a sheet.
 //!
 //! Samples, volumes and cells are of the body's own frame: made once, they move with its pose.
@@ -18,8 +18,9 @@ use std::sync::Arc;
 use volmap_formats::mesh::TriangleMesh;
 use volmap_runtime::{DVec3, Kernel};
 
-/// Distance of a body's particles in fluid particles' radii. At 2, the fluid's own spacing, a turning ball gives water eight times
-/// as much energy as at this, and blue noise had holes in which particles of water at rest were found.
+/// Distance of a body's particles in fluid particles' radii. At 2, the fluid's own spacing, a turning ball gives
+/// water eight times as much energy as at this, and blue noise had holes in which particles of water at rest were
+/// found.
 const SPACING: f64 = 1.5;
 /// Particles of a body at most.
 pub const MOST: u64 = 20_000_000;
@@ -122,7 +123,8 @@ impl BodyParticles {
         1.0 / sum
     }
 
-    /// Calls `f` with every particle within `radius` of a point of the body's frame, the vector to the point, and its length.
+    /// Calls `f` with every particle within `radius` of a point of the body's frame, the vector to the point, and its
+    /// length.
     fn near(&self, point: DVec3, radius: f64, mut f: impl FnMut(usize, DVec3, f64)) {
         if point.cmplt(self.bounds[0]).any() || point.cmpgt(self.bounds[1]).any() {
             return;

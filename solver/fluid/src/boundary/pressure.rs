@@ -8,12 +8,13 @@
 //! - `sph`: Eq. 3, after Adami et al. 2012: the mean of the fluid's pressures, and the weight of the fluid in between;
 //! - `mls`: Eq. 4 to 16: the plane through the fluid's pressures, by moving least squares.
 //!
-//! The last two belong to sites, each with one pressure: boundary particles, or on maps, which both papers leave open, the
-//! sample point of each particle and body. Neighbours are those of the sample point; the pressure is taken behind it, in the
-//! middle of what the body adds to the particle's gradient (see `Contact::depth`). Negative pressures are none.
+//! The last two belong to sites, each with one pressure: boundary particles, or on maps, which both papers leave
+//! open, the sample point of each particle and body. Neighbours are those of the sample point; the pressure is taken
+//! behind it, in the middle of what the body adds to the particle's gradient (see `Contact::depth`). Negative
+//! pressures are none.
 //!
-//! Both are linear in the fluid's pressures, with factors that its places alone give: they are computed once a step, and an
-//! iteration of a solve adds up products. Unknowns are P = p / (rho_0 D^2), so p / rho_0 = P D^2.
+//! Both are linear in the fluid's pressures, with factors that its places alone give: they are computed once a step,
+//! and an iteration of a solve adds up products. Unknowns are P = p / (rho_0 D^2), so p / rho_0 = P D^2.
 
 use super::{Boundary, Contact, Method};
 use crate::cells::Cells;
@@ -24,10 +25,10 @@ use glam::{DMat3, IVec3};
 use rayon::prelude::*;
 use volmap_runtime::DVec3;
 
-/// Spread of a site's neighbours along a direction, in parts of the support radius, below which there is no slope along it.
-/// The paper takes no slope at all where the matrix of Eq. 14 can't be inverted, and any else. Measured on water at rest:
-/// with 0.03 and less the slope across a layer, from that layer's own unevenness, throws the fluid about, with 0.1 and more
-/// it is as calm as without extrapolation.
+/// Spread of a site's neighbours along a direction, in parts of the support radius, below which there is no slope
+/// along it. The paper takes no slope at all where the matrix of Eq. 14 can't be inverted, and any else. Measured on
+/// water at rest: with 0.03 and less the slope across a layer, from that layer's own unevenness, throws the fluid
+/// about, with 0.1 and more it is as calm as without extrapolation.
 const LEAST_SPREAD: f64 = 0.1;
 
 /// Sites that are worked on together.
@@ -163,9 +164,9 @@ impl Boundary {
 }
 
 impl Contact {
-    /// From a map's sample point to the middle of what it adds to the gradient, metres: a linear pressure is taken there for
-    /// the force to be right. At a plane the solid from d on has the density R(d) and the gradient -R'(d) = W_1(d), so its
-    /// middle lies R / W_1 deeper.
+    /// From a map's sample point to the middle of what it adds to the gradient, metres: a linear pressure is taken
+    /// there for the force to be right. At a plane the solid from d on has the density R(d) and the gradient -R'(d) =
+    /// W_1(d), so its middle lies R / W_1 deeper.
     fn depth(&self, own_part: f32) -> DVec3 {
         let gradient = f64::from(own_part) * self.gradient();
         let square = gradient.length_squared();
@@ -213,8 +214,8 @@ impl Chunk {
         self.weights.push((fluid.gravity.dot(below) * per_sum) as f32);
     }
 
-    /// Eq. 13 to 16, as a sum over p_f: with the weights V_f W, the mean d_b of the neighbours (Eq. 7) and x' = x - d_b,
-    /// p_b = sum of V_f W (1 / sum V W + x'_b . M^-1 x'_f) p_f, M = sum of V W x'_f x'_f^T.
+    /// Eq. 13 to 16, as a sum over p_f: with the weights V_f W, the mean d_b of the neighbours (Eq. 7) and x' = x -
+    /// d_b, p_b = sum of V_f W (1 / sum V W + x'_b . M^-1 x'_f) p_f, M = sum of V W x'_f x'_f^T.
     fn add_mls(&mut self, depth: DVec3) {
         let weight = |near: &Neighbour| near.weight / near.density;
         let sum: f64 = self.near.iter().map(weight).sum();
@@ -235,8 +236,8 @@ impl Chunk {
     }
 }
 
-/// M^-1 v of a symmetric matrix without negative eigenvalues; those up to `least` count as infinite. By Jacobi's rotations, and not by
-/// nalgebra's: its eigenvalues differ in their last bits, and with them every run by `mls`.
+/// M^-1 v of a symmetric matrix without negative eigenvalues; those up to `least` count as infinite. By Jacobi's
+/// rotations, and not by nalgebra's: its eigenvalues differ in their last bits, and with them every run by `mls`.
 fn solve_determined(mut matrix: DMat3, vector: DVec3, least: f64) -> DVec3 {
     let mut axes = DMat3::IDENTITY;
     for sweep in 0..24 {

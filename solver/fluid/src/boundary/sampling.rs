@@ -1,9 +1,9 @@
 //! Points on the surface of a mesh: as many as squares of the wanted distance fit its area, spread evenly.
 //!
-//! Yuksel 2015, *Sample Elimination for Generating Poisson Disk Sample Sets*: of five times as many random points, the one
-//! that is most crowded goes, until enough are left. That is blue noise, which is denser here and thinner there, and a wall
-//! that slides under water drags it along by these bumps. So the points then push each other along the surface, as in Turk
-//! 1992, *Re-Tiling Polygonal Surfaces*, until they lie as evenly as they can.
+//! Yuksel 2015, *Sample Elimination for Generating Poisson Disk Sample Sets*: of five times as many random points,
+//! the one that is most crowded goes, until enough are left. That is blue noise, which is denser here and thinner
+//! there, and a wall that slides under water drags it along by these bumps. So the points then push each other along
+//! the surface, as in Turk 1992, *Re-Tiling Polygonal Surfaces*, until they lie as evenly as they can.
 //!
 //! Distances are straight ones, so the sides of a thin plate share its points. The same mesh and distance give the same
 //! points everywhere.
@@ -25,9 +25,9 @@ const CANDIDATES: usize = 5;
 const ALPHA: i32 = 8;
 const BETA: f64 = 0.65;
 const GAMMA: f64 = 1.5;
-/// How often points push each other, how far they reach, and how far they go for the push of one that is right beside them: in
-/// wanted distances. Water in a ball that turns is given a hundredth of the energy that blue noise gives it; 100 times and a reach
-/// of 3 leave four fifths of that.
+/// How often points push each other, how far they reach, and how far they go for the push of one that is right beside
+/// them: in wanted distances. Water in a ball that turns is given a hundredth of the energy that blue noise gives it;
+/// 100 times and a reach of 3 leave four fifths of that.
 const ROUNDS: usize = 30;
 const REACH: f64 = 2.5;
 const STRIDE: f64 = 0.2;

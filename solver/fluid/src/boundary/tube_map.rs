@@ -1,9 +1,9 @@
 //! Boundaries by distance and curvature at the closest point, the idea of Nogina and Sellan 2026, *Tube Maps: Fast SPH
 //! Boundary Handling in Tubular Coordinates*. The paper's own formulas were not at hand; these are derived here.
 //!
-//! The solid is a stack of surfaces parallel to its own. Seen from a particle at distance d, one at distance z >= d is
-//! nearest straight below, and a point of it at u along a principal direction has the squared distance
-//! z^2 + u^2 / (1 - h z) to lowest order, h being the curvature of the parallel surface through the particle itself. So the
+//! The solid is a stack of surfaces parallel to its own. Seen from a particle at distance d, one at distance z >= d
+//! is nearest straight below, and a point of it at u along a principal direction has the squared distance z^2 + u^2 /
+//! (1 - h z) to lowest order, h being the curvature of the parallel surface through the particle itself. So the
 //! kernel over it is that over a plane, W_1, times the root of the area that is left:
 //! ```text
 //! rho_B / rho_0 = integral from d - e to r of gamma(d - z) W_1(|z|) sqrt((1 - h_1 z) (1 - h_2 z)) dz
@@ -11,15 +11,15 @@
 //! W_1(z) = 2 pi integral from z to r of W(s) s ds
 //! (1 - h_1 z) (1 - h_2 z) = 1 - 2 H z + K z^2        area element of parallel surfaces
 //! ```
-//! gamma, and its length e, are those of density maps (Bender et al. 2020, Eq. 11; [`super::density_map`]): both methods
-//! integrate the same. Exact for half spaces, for hollows, and for balls whose centre is r or more from the particle; too
-//! much for smaller ones, whose far side the kernel passes; of cylinders to first order. The gradient is along the normal,
-//! where dh/dd = -h^2.
+//! gamma, and its length e, are those of density maps (Bender et al. 2020, Eq. 11; [`super::density_map`]): both
+//! methods integrate the same. Exact for half spaces, for hollows, and for balls whose centre is r or more from the
+//! particle; too much for smaller ones, whose far side the kernel passes; of cylinders to first order. The gradient
+//! is along the normal, where dh/dd = -h^2.
 //!
-//! Curvatures are the second derivatives of the map's distance along the surface, by differences. Of the two sides the
-//! smaller rise counts, and all the less the less straight the distance rises along the normal: where probes look past an
-//! edge or into a corner, the face below the particle is taken alone, without curvature. (With the curvatures that differences
-//! see in the corners of a box, water at rest in it boils.)
+//! Curvatures are the second derivatives of the map's distance along the surface, by differences. Of the two sides
+//! the smaller rise counts, and all the less the less straight the distance rises along the normal: where probes look
+//! past an edge or into a corner, the face below the particle is taken alone, without curvature. (With the curvatures
+//! that differences see in the corners of a box, water at rest in it boils.)
 //!
 //! One point of the surface is all that is seen: in a corner one wall of two.
 
@@ -31,8 +31,8 @@ use volmap_runtime::{DVec3, Kernel, KernelKind, Sample, Surface, SurfaceWithGrad
 const STEP: f64 = 0.25;
 /// Differences for each particle.
 const PROBES: usize = 8;
-/// Slope of the distance along the normal, out or in, from which on curvatures count, and count in full: 1 where it is a
-/// distance to one smooth surface, 0.7 on the bisector of a corner.
+/// Slope of the distance along the normal, out or in, from which on curvatures count, and count in full: 1 where it
+/// is a distance to one smooth surface, 0.7 on the bisector of a corner.
 const STRAIGHT: [f64; 2] = [0.95, 0.99];
 /// Curvatures beyond this many 1/r count as this: edges are no tubes.
 const MOST_CURVED: f64 = 2.0;
@@ -139,8 +139,8 @@ mod tests {
         (0..steps).map(|n| f(low + (f64::from(n) + 0.5) * width)).sum::<f64>() * width
     }
 
-    /// The density of a ball (radius R > 0) or of all around a hollow (R < 0) at distance d: Eq. 9 of Bender et al. 2020
-    /// over shells around the particle and their rings.
+    /// The density of a ball (radius R > 0) or of all around a hollow (R < 0) at distance d: Eq. 9 of Bender et al.
+    /// 2020 over shells around the particle and their rings.
     fn exact(kernel: KernelKind, radius: f64, d: f64) -> f64 {
         let away = radius + d;
         let gamma = |s: f64, cosine: f64| {

@@ -1,7 +1,7 @@
 //! Drag of the air, linear in the velocity: a = -k v, whatever the fluid does.
 //!
-//! What is added is the mean of that over the step, -(1 - e^(-k dt)) / dt v, so that a fluid without other forces has exactly
-//! e^(-k t) of its velocity after t seconds, in steps of any length.
+//! What is added is the mean of that over the step, -(1 - e^(-k dt)) / dt v, so that a fluid without other forces has
+//! exactly e^(-k t) of its velocity after t seconds, in steps of any length.
 
 use super::{Defect, Force, Step};
 use crate::channels::Channels;

@@ -1,17 +1,18 @@
-//! Implicit viscosity and the drag of bodies: Weiler et al. 2018, *A Physically Consistent Implicit Viscosity Solver for SPH
-//! Fluids*; boundaries by Bender et al. 2020, section 4.4 ([`drag`](crate::boundary::drag)).
+//! Implicit viscosity and the drag of bodies: Weiler et al. 2018, *A Physically Consistent Implicit Viscosity Solver
+//! for SPH Fluids*; boundaries by Bender et al. 2020, section 4.4 ([`drag`](crate::boundary::drag)).
 //!
 //! Unknown are the velocities v at the end of the step; v0 are those before it, with gravity:
 //! ```text
 //! v_i - dt nu (Laplacian v)_i + dt sum B (v_i - v_B) = v0_i      (Weiler et al.)
 //! ```
-//! the Laplacian as in Eq. 16 of Bender et al. 2020. Particles have one mass and one volume, so the matrix is symmetric; its
-//! eigenvalues are 1 or more. Conjugate gradients without a matrix, in single precision with products in double precision; the
-//! preconditioner is the inverse of its 3 x 3 diagonal blocks. A solve begins with the last step's change of the velocities.
+//! the Laplacian as in Eq. 16 of Bender et al. 2020. Particles have one mass and one volume, so the matrix is
+//! symmetric; its eigenvalues are 1 or more. Conjugate gradients without a matrix, in single precision with products
+//! in double precision; the preconditioner is the inverse of its 3 x 3 diagonal blocks. A solve begins with the last
+//! step's change of the velocities.
 //!
-//! Kept at any tolerance: momentum and angular momentum. What is left of the residual when a solve ends is added to the
-//! velocities, which makes them v0 plus what particles and bodies exchange: opposite forces along the lines between them,
-//! to the rounding of [bends](crate::pairs).
+//! Kept at any tolerance: momentum and angular momentum. What is left of the residual when a solve ends is added to
+//! the velocities, which makes them v0 plus what particles and bodies exchange: opposite forces along the lines
+//! between them, to the rounding of [bends](crate::pairs).
 
 mod carried;
 
@@ -124,7 +125,8 @@ struct Unknowns<'a> {
 }
 
 impl Solver {
-    /// Solves for the velocities. `changes` are those of the velocities in the last step, with which it begins, and in this one.
+    /// Solves for the velocities. `changes` are those of the velocities in the last step, with which it begins, and
+    /// in this one.
     fn solve(
         &mut self,
         system: &System,

@@ -64,8 +64,8 @@ impl Force for Viscosity {
 /// ```text
 /// S = 10 V sum |W'| / |x|  ->  40 pi integral of |W'(s)| s ds = 40 pi integral of W(s) ds  (0..r),
 /// ```
-/// which is 120 / r^2 for the cubic spline; in two dimensions 8 for 10, and 16 pi W(0), which is 91 / r^2. More than the whole difference
-/// must not go: nu dt S <= 1, of which XSPH takes its part.
+/// which is 120 / r^2 for the cubic spline; in two dimensions 8 for 10, and 16 pi W(0), which is 91 / r^2. More than
+/// the whole difference must not go: nu dt S <= 1, of which XSPH takes its part.
 pub fn viscous_limit(fluid: &FluidSettings, world: &World) -> f64 {
     let in_radius = match world.dimension {
         Dimension::Two => 16.0 * PI * world.kernel.plane_thickness() * world.kernel.unit_value(0.0),

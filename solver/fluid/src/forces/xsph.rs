@@ -1,4 +1,5 @@
-//! XSPH: Schechter and Bridson 2012, *Ghost SPH for Animating Water*. Velocities go a part of the way to those of their neighbours.
+//! XSPH: Schechter and Bridson 2012, *Ghost SPH for Animating Water*. Velocities go a part of the way to those of
+//! their neighbours.
 
 use super::{Force, Step};
 use crate::channels::Channels;

@@ -1,5 +1,5 @@
-//! From lists of neighbours to rows of pairs, and the sums that go by the places alone: Eq. 6 of Bender et al. 2020 and alpha of
-//! Band et al. 2018, Algorithm 1.
+//! From lists of neighbours to rows of pairs, and the sums that go by the places alone: Eq. 6 of Bender et al. 2020
+//! and alpha of Band et al. 2018, Algorithm 1.
 
 use super::search::Near;
 use crate::pairs::kernels::{KernelLanes, SMALL};
@@ -103,8 +103,8 @@ impl Writer {
         &self.near.places[self.starts[number]..self.starts[number + 1]]
     }
 
-    /// The numbers of the window's particles: those with the most neighbours first, then as they come; those of [`MANY`] and more
-    /// are alike.
+    /// The numbers of the window's particles: those with the most neighbours first, then as they come; those of
+    /// [`MANY`] and more are alike.
     #[inline(always)]
     fn order<'a>(&self, order: &'a mut [usize; WINDOW]) -> &'a [usize] {
         let count = self.starts.len() - 1;

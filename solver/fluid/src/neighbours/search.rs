@@ -1,5 +1,5 @@
-//! The search for neighbours: the particles of a cell share the candidates of its 27 cells, which are laid side by side, and
-//! each compares itself with all of them, eight at a time.
+//! The search for neighbours: the particles of a cell share the candidates of its 27 cells, which are laid side by
+//! side, and each compares itself with all of them, eight at a time.
 
 use crate::blocks::{Block, surroundings};
 use crate::cells::Cells;
@@ -35,8 +35,8 @@ pub(super) struct Search {
 }
 
 impl Search {
-    /// Takes what is in a block and around it: into `lists`, which particles a table has, and into `table`, their places, and
-    /// one behind them that is far from all, whose number comes back.
+    /// Takes what is in a block and around it: into `lists`, which particles a table has, and into `table`, their
+    /// places, and one behind them that is far from all, whose number comes back.
     #[inline(always)]
     pub fn begin(
         &mut self,

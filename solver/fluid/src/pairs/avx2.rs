@@ -1,8 +1,8 @@
 //! Eight numbers in one AVX register, and the entry to the sums over neighbours compiled for AVX2.
 //!
 //! An [`Avx`] exists in functions that [`run`] calls and nowhere else, and `run` makes them only after the test for
-//! AVX2 and POPCNT: so each instruction below is one that the processor has. Loads from a table are at places of 16 bits, which are all in
-//! it.
+//! AVX2 and POPCNT: so each instruction below is one that the processor has. Loads from a table are at places of 16
+//! bits, which are all in it.
 #![allow(unsafe_code)]
 
 use super::lanes::{Group, LANES, Lanes, Work};
@@ -217,8 +217,8 @@ trait Wide {}
 impl Wide for i16 {}
 impl Wide for u32 {}
 
-/// The lower 16 bits. Volatile: the compiler would take them out of the vector of all numbers there, which is slower than to
-/// load them once more.
+/// The lower 16 bits. Volatile: the compiler would take them out of the vector of all numbers there, which is slower
+/// than to load them once more.
 #[inline(always)]
 fn place<T: Wide>(number: &T) -> u16 {
     const { assert!(size_of::<T>() >= size_of::<u16>() && align_of::<T>() >= align_of::<u16>()) };
@@ -286,7 +286,8 @@ fn two(table: &Quads, low: u16, high: u16) -> __m256 {
 fn two_numbers(table: &Numbers, low: u16, high: u16) -> __m256 {
     const { assert!(2 * (u16::MAX as usize + 2) <= 4 * ROOM) };
     let bytes = table.values().as_ptr().cast::<u8>();
-    // SAFETY: a number that begins at twice the place, in bytes, is in the table, see above, and two bytes behind it, too.
+    // SAFETY: a number that begins at twice the place, in bytes, is in the table, see above, and two bytes behind it,
+    // too.
     unsafe {
         let [low, high] = [bytes.add(2 * usize::from(low)), bytes.add(2 * usize::from(high))];
         let [low, high] = [low.cast::<f32>().read_unaligned(), high.cast::<f32>().read_unaligned()];

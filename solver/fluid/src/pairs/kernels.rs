@@ -1,7 +1,7 @@
 //! The kernels at eight distances, in units of the support radius: q = |x| / r.
 //!
-//! W(x) = [`KernelLanes::NORM`] / r^3 `value`; grad W(x) = NORM SLOPE / r^4 `slope` x / r. Monaghan 2005 (cubic spline),
-//! Wendland 1995, Desbrun and Gascuel 1996 (spiky), Müller et al. 2003 (poly6).
+//! W(x) = [`KernelLanes::NORM`] / r^3 `value`; grad W(x) = NORM SLOPE / r^4 `slope` x / r. Monaghan 2005 (cubic
+//! spline), Wendland 1995, Desbrun and Gascuel 1996 (spiky), Müller et al. 2003 (poly6).
 
 use super::lanes::Lanes;
 use std::f32::consts::PI;

@@ -1,4 +1,5 @@
-//! Eight numbers at a time: what the search for neighbours and the sums over them ask of a vector, and the plain way to do it.
+//! Eight numbers at a time: what the search for neighbours and the sums over them ask of a vector, and the plain way
+//! to do it.
 //!
 //! Every operation is that of IEEE 754 on each number, nothing is fused, estimated or reordered: so whatever does it
 //! ([`Plain`], `avx2.rs`), the bits are the same.
@@ -34,7 +35,8 @@ pub(crate) trait Lanes:
     /// Pairs of whole numbers of 16 bits, and places.
     fn pack(vector: [Self; 3], fourth: &[u32; LANES]) -> [Pair; LANES];
 
-    /// For each particle of a slice, the sum of its pairs' numbers times those of the table; of the fourth number nothing.
+    /// For each particle of a slice, the sum of its pairs' numbers times those of the table; of the fourth number
+    /// nothing.
     #[inline(always)]
     fn sum_of_rows(rows: &[Row], table: &Quads) -> [Quad; SLICE] {
         let mut sums = [[0.0; 4]; SLICE];
@@ -70,8 +72,8 @@ pub(crate) trait Lanes:
         quads.map(|[x, y, z, _]| (x + y) + z)
     }
 
-    /// For each particle of a slice, the sum of h (h . (u_j - u_i)) of its bends h, the vectors u_j of the table and its own u_i; of
-    /// the fourth number nothing.
+    /// For each particle of a slice, the sum of h (h . (u_j - u_i)) of its bends h, the vectors u_j of the table and
+    /// its own u_i; of the fourth number nothing.
     #[inline(always)]
     fn sum_of_bends(rows: &[Row], bends: &[Row], table: &Quads, own: [Quad; SLICE]) -> [Quad; SLICE] {
         let mut sums = [[0.0; 4]; SLICE];

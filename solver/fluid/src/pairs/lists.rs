@@ -20,8 +20,8 @@ pub struct Lists {
     pub(crate) count: usize,
     /// The particles that a table has: those of the block, then those around it.
     pub(crate) table: Vec<Range<u32>>,
-    /// The particles of each slice by their numbers in the block, which are as many as it has particles where there is none,
-    /// and where its rows end.
+    /// The particles of each slice by their numbers in the block, which are as many as it has particles where there
+    /// is none, and where its rows end.
     pub(crate) slices: Vec<([u16; SLICE], u32)>,
     pub(crate) rows: Vec<Row>,
     pub(crate) units: Units,
@@ -100,8 +100,8 @@ impl Lists {
     }
 
     /// What implicit viscosity asks of pairs, if it was asked for: rows of bends instead of gradients. With the bend
-    /// h = x_ij (k |W'| / |x| / (x^2 + 0.01 r^2))^1/2 the Laplacian by Eq. 16 of Bender et al. 2020 (Monaghan 2005) of a field u is
-    /// the sum of h (h . (u_j - u_i)).
+    /// h = x_ij (k |W'| / |x| / (x^2 + 0.01 r^2))^1/2 the Laplacian by Eq. 16 of Bender et al. 2020 (Monaghan 2005)
+    /// of a field u is the sum of h (h . (u_j - u_i)).
     pub fn bends(&self) -> Option<&[Row]> {
         self.bends.as_deref()
     }

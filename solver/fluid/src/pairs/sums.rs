@@ -5,8 +5,8 @@ use super::lists::Lists;
 use super::table::{Numbers, Quads};
 use super::{Quad, Row, SLICE, Symmetric, dispatch};
 
-/// -(P_i grad D_i + the sum of P_j V grad W_ij), for the pressures P of the table, those of the block's particles and their
-/// gradients of the density.
+/// -(P_i grad D_i + the sum of P_j V grad W_ij), for the pressures P of the table, those of the block's particles and
+/// their gradients of the density.
 pub fn accelerations(
     lists: &Lists,
     table: &Numbers,
@@ -17,8 +17,8 @@ pub fn accelerations(
     dispatch(Accelerations { lists, table, pressures, gradients, work });
 }
 
-/// u_i . grad D_i - the sum of u_j . V grad W_ij, for the vectors u of the table, those of the block's particles and their
-/// gradients of the density.
+/// u_i . grad D_i - the sum of u_j . V grad W_ij, for the vectors u of the table, those of the block's particles and
+/// their gradients of the density.
 pub fn fluxes(lists: &Lists, table: &Quads, own: &[Quad], gradients: &[Quad], work: Room<f32>) {
     dispatch(Fluxes { lists, table, own, gradients, work });
 }

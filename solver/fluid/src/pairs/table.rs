@@ -1,11 +1,11 @@
-//! What a sum over neighbours reads of them, side by side: one quad or number for each particle of a block and around it, and one
-//! that is zero for pairs of nobody.
+//! What a sum over neighbours reads of them, side by side: one quad or number for each particle of a block and around
+//! it, and one that is zero for pairs of nobody.
 
 use super::Quad;
 use std::ops::Range;
 
-/// As many as 16 bits can tell even numbers, and one more: a [`super::Pair`] has twice the number of a particle in the table, so
-/// that whatever it says is in it.
+/// As many as 16 bits can tell even numbers, and one more: a [`super::Pair`] has twice the number of a particle in
+/// the table, so that whatever it says is in it.
 pub(super) const ROOM: usize = (1 << 15) + 1;
 /// Particles at most, one that isn't there besides.
 pub const MOST: usize = ROOM - 2;

@@ -16,8 +16,8 @@ use volmap_runtime::{DVec3, Dimension, Kernel, KernelKind};
 const RADIUS: f64 = 0.1;
 const VOLUME: f64 = 1.25e-4;
 
-/// A fluid, a dense clump, pairs in one place, some alone, and at the origin of the places one with two neighbours that aren't
-/// each other's.
+/// A fluid, a dense clump, pairs in one place, some alone, and at the origin of the places one with two neighbours
+/// that aren't each other's.
 fn cloud() -> Vec<DVec3> {
     let mut positions = random_points(900, 0.5, 1);
     positions.extend(random_points(60, 0.03, 2).iter().map(|x| *x + 0.8));
@@ -167,8 +167,8 @@ fn vector3([x, y, z, _]: Quad) -> DVec3 {
     vector([x, y, z])
 }
 
-/// Rounding of places, 1e-7 of 20 radii, changes terms by parts of 1e-5; those of close pairs by more. `least` is what a pair is
-/// rounded by.
+/// Rounding of places, 1e-7 of 20 radii, changes terms by parts of 1e-5; those of close pairs by more. `least` is
+/// what a pair is rounded by.
 fn assert_close(kernel: KernelKind, got: &[DVec3], wanted: &[(DVec3, f64)], least: f64) {
     assert_eq!(got.len(), wanted.len());
     for (i, (got, (wanted, size))) in got.iter().zip(wanted).enumerate() {

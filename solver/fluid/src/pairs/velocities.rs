@@ -1,5 +1,6 @@
-//! Sums over differences of velocities, once a step: the Laplacian by Eq. 16 of Bender et al. 2020 (Monaghan 2005), and the mean
-//! difference of XSPH (Schechter and Bridson 2012). Forces of both conserve momentum: particles have one volume.
+//! Sums over differences of velocities, once a step: the Laplacian by Eq. 16 of Bender et al. 2020 (Monaghan 2005),
+//! and the mean difference of XSPH (Schechter and Bridson 2012). Forces of both conserve momentum: particles have one
+//! volume.
 
 use super::kernels::{KernelLanes, SMALL};
 use super::lanes::{Lanes, places_of};

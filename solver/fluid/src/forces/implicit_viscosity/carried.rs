@@ -1,12 +1,13 @@
-//! Bodies in the viscous solve. Free ones give way to the drag that is being looked for, so that fluid and body agree at the end
-//! of the step: their velocities are eliminated from the system, which stays symmetric (a Schur complement).
+//! Bodies in the viscous solve. Free ones give way to the drag that is being looked for, so that fluid and body agree
+//! at the end of the step: their velocities are eliminated from the system, which stays symmetric (a Schur
+//! complement).
 //!
 //! ```text
 //! (M + G) u = M u0 + dt m sum J^T B v,   G = dt m sum J^T B J,   J: u, linear and angular, -> velocity at x_i
 //! u = u0 + K dt m sum J^T B (v - J u0),   K = (M + G)^-1 = (1 + R G)^-1 R,   R = M^-1, which is 0 along locked axes
 //! ```
-//! m is a particle's mass, u0 the body's velocity by all forces so far. The idea is that of Gissler et al. 2019, *Interlinked SPH
-//! Pressure Solvers for Strong Fluid-Rigid Coupling*.
+//! m is a particle's mass, u0 the body's velocity by all forces so far. The idea is that of Gissler et al. 2019,
+//! *Interlinked SPH Pressure Solvers for Strong Fluid-Rigid Coupling*.
 
 use crate::bodies::Bodies;
 use crate::boundary::Boundary;
@@ -72,8 +73,8 @@ impl<'a> Carried<'a> {
         linear + angular.cross(drag.arm(self.bodies))
     }
 
-    /// Momentum and angular momentum about the centre of mass that particles and bodies of these velocities exchange in the
-    /// step: what each body gets.
+    /// Momentum and angular momentum about the centre of mass that particles and bodies of these velocities exchange
+    /// in the step: what each body gets.
     pub fn impulses(&self, field: &[Quad], motions: &[[DVec3; 2]]) -> Motions {
         self.exchange(field, motions, |_| true)
     }

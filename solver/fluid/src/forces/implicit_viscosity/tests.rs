@@ -1,5 +1,5 @@
-//! The viscous solve against the whole system as a dense matrix: all pairs, the four points of every particle near a body, and
-//! the bodies' velocities as unknowns.
+//! The viscous solve against the whole system as a dense matrix: all pairs, the four points of every particle near a
+//! body, and the bodies' velocities as unknowns.
 
 use super::*;
 use crate::bodies::{Bodies, BodyDescription, FluidContact, FreeBody, Motion, Weight};
