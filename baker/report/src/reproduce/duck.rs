@@ -19,7 +19,7 @@ use volmap_formats::asset::Asset;
 use volmap_formats::text::number;
 
 /// In the program, so that an installed one has it.
-const DUCK: &[u8] = include_bytes!("../../../../data/duck.obj");
+const DUCK: &[u8] = include_bytes!("../../data/duck.obj");
 /// The rule of all of the paper's maps.
 const PAPER_RULE: Rule = Rule::GaussLegendre(30);
 /// The paper's largest error, m^3.
