@@ -13,6 +13,7 @@ use parameters::{All, ParameterArguments};
 use std::path::PathBuf;
 use volmap_bake::parameters::ByteSize;
 use volmap_bake::recipe::Recipe;
+use volmap_formats::mesh::MeshFormat;
 
 /// Bakes triangle meshes into volume maps for SPH boundaries, and looks into them.
 #[derive(Debug, Parser)]
@@ -24,7 +25,7 @@ pub struct Arguments {
 
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Bake a mesh (OBJ, STL, PLY, OFF, glTF, 3MF, VTK, VTU) into an HDF5 volume map
+    #[command(about = format!("Bake a mesh ({}) into an HDF5 volume map", MeshFormat::list()))]
     Bake(Box<BakeArguments>),
     /// Bake closed lines in the plane (OBJ with `l`) into an HDF5 map in two dimensions
     BakeOutline(Box<outline::OutlineArguments>),
@@ -32,7 +33,7 @@ pub enum Command {
     Batch(Box<batch::BatchArguments>),
     /// Check whether the assets in a folder are up to date with their meshes: keys, checksums, gates
     Verify(batch::VerifyArguments),
-    /// Show what stands in an asset
+    /// Show an asset's parameters and diagnosis
     Info {
         /// Asset
         asset: PathBuf,
@@ -40,7 +41,7 @@ pub enum Command {
         #[arg(long)]
         json: bool,
     },
-    /// Ask a map for distance, normal, closest point and volume at points
+    /// Query distance, normal, closest point and volume at points
     Query {
         /// Asset
         asset: PathBuf,
@@ -57,7 +58,7 @@ pub enum Command {
     Slice(slice::SliceArguments),
     /// Write a map for other programs: VTKHDF, VTI, PLY, or SPlisHSPlasH's own
     Export(exchange::ExportArguments),
-    /// Make an asset of a map of SPlisHSPlasH
+    /// Make an asset from a map of SPlisHSPlasH
     Import(exchange::ImportArguments),
     /// Reproduce the experiments of Bender et al. 2020 (about 3 minutes)
     Reproduce(reproduce::ReproduceArguments),
@@ -66,7 +67,7 @@ pub enum Command {
         /// Shell
         shell: clap_complete::Shell,
     },
-    /// Print the manual, or write a page for each command
+    /// Print the manual page, or write one for each command
     Man {
         /// Folder for the pages (volmap.1, volmap-bake.1, ...); made if it isn't there
         #[arg(short, long, value_name = "FOLDER")]
