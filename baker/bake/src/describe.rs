@@ -97,7 +97,8 @@ pub fn diagnosis(summary: &Summary) -> Attributes {
     out
 }
 
-/// What a careful person would look at before using the asset.
+/// What a careful person would look at before using the asset. The texts stand in assets: other words would be other
+/// bytes, so these still name the command line's options.
 pub fn warnings(summary: &Summary, maps: &Maps, settings: &BakeSettings) -> Vec<String> {
     let mut out = Vec::new();
     mesh_warnings(summary, &mut out);
@@ -118,7 +119,7 @@ pub fn warnings(summary: &Summary, maps: &Maps, settings: &BakeSettings) -> Vec<
         ));
     }
     if settings.map.thickness != 0.0 {
-        out.push(format!("the surface is moved {} m out of the solid (`thickness`)", settings.map.thickness));
+        out.push(format!("the surface is moved {} m out of the solid (--thickness)", settings.map.thickness));
     }
     out
 }
@@ -162,7 +163,7 @@ fn mesh_warnings(summary: &Summary, out: &mut Vec<String>) {
     }
     let size = (summary.bounds[1] - summary.bounds[0]).max_element();
     if !(1e-3..=1e4).contains(&size) {
-        out.push(format!("the mesh is {size:.3e} m large; if that isn't meant, give `unit` or `scale`"));
+        out.push(format!("the mesh is {size:.3e} m large; if that isn't meant, give --unit or --scale"));
     }
 }
 
@@ -170,7 +171,7 @@ fn sign_warnings(summary: &Summary, maps: &Maps, out: &mut Vec<String>) {
     // Sheets have nodes that rounding puts inside.
     let inside = -1e-9 * summary.plan.support_radius;
     if !maps.distance.iter().any(|phi| *phi < inside) {
-        out.push("no node lies inside: the map has no solid; give sheets a `thickness`, and thin parts smaller cells".into());
+        out.push("no node lies inside: the map has no solid; give sheets a --thickness, and thin parts smaller cells".into());
     }
     let leaks = leaks(summary.plan.grid.resolution, &maps.cells);
     if leaks > 0 {

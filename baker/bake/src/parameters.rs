@@ -64,7 +64,7 @@ parameters! {
         },
     }
 
-    /// Radius of the fluid's particles; the support radius is four times this
+    /// Radius of the fluid's particles, a quarter of the support radius
     particle_radius: f64 {
         apply: |recipe, radius| recipe.bake.map.support_radius = Some(4.0 * radius),
         unit: "metres",
@@ -91,7 +91,7 @@ parameters! {
         },
     }
 
-    /// Edge length of the cells, which are cubes
+    /// Edge length of the cubic cells
     cell_size: f64 {
         apply: |recipe, edge| recipe.bake.map.grid = GridChoice::CellSize(edge),
         unit: "metres",
@@ -173,7 +173,7 @@ parameters! {
         describe: |baked| vec![("invert", baked.settings.map.invert.into())],
     }
 
-    /// Thicken the solid by this much; a negative length makes it thinner
+    /// Thicken the solid by this much, or thin it if this is negative
     thickness: f64 {
         apply: |recipe, length| recipe.bake.map.thickness = length,
         unit: "metres",

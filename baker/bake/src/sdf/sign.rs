@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 #[serde(rename_all = "lowercase")]
 #[schemars(inline)]
 pub enum SignMethod {
-    /// What `choose_sign` finds best.
+    /// The best method for the mesh.
     #[default]
     Auto,
     /// Angle-weighted pseudonormals: fast, right only for closed, oriented surfaces that don't intersect
