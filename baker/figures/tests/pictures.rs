@@ -139,7 +139,7 @@ fn the_same_picture_has_the_same_bytes() {
     );
     assert_eq!(
         hash(&chart(false).to_png()),
-        "f582383e31dabb6e7340a2110bbac71e3169ef9ff0e07afaf35f460e247cdaa6"
+        "13d5422bbe739af4b01f9d1d7424edda395e9c9c19acab22ea64b8baccd82b49"
     );
 }
 
