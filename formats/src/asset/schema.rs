@@ -5,9 +5,9 @@ mod density;
 pub use self::density::DensityField;
 
 use super::error::{AssetError, printable};
+use super::tree::{Array, Attributes, Tree, Value};
 #[cfg(feature = "write")]
-use super::tree::Dataset;
-use super::tree::{Array, Attributes, MAX_ERROR, STEP, Tree, Value};
+use super::tree::{Dataset, MAX_ERROR, STEP};
 use super::{Asset, CellRun, Dimension, Exterior, GridSpec, QuadratureSpec};
 
 /// Value of the root attribute `format`.
