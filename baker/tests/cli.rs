@@ -697,7 +697,7 @@ fn an_experiment_of_the_paper_is_run_by_its_name() {
     assert_eq!(both["experiments"][0]["name"], "plane");
     // What needs a mesh that isn't there says so.
     let rows = both["experiments"][1]["outcome"]["rows"].as_array().unwrap();
-    assert!(rows.iter().any(|row| row["remark"] == "needs the mesh: --dragon FILE"), "{rows:?}");
+    assert!(rows.iter().any(|row| row["remark"] == "needs the mesh: `dragon`"), "{rows:?}");
     let text = error(volmap(&folder).args(["reproduce", "plane", "--dragon"]).arg(data("duck.obj")));
     assert!(text.contains("--dragon: is for the experiment dragon"), "{text}");
     let run = volmap(&folder).args(["reproduce", "goose"]).assert().code(2);

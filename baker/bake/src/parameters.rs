@@ -1,6 +1,6 @@
-//! The parameters of a bake, in one table. From a row follow the command line's option, the key in manifests and scenes,
-//! its schema and its checks, the settings, the content key, and what the asset says of it. A new parameter is one row,
-//! and the code that uses its setting.
+//! The parameters of a bake, in one table. From a row follow the command line's option, the key in manifests and
+//! scenes, its schema and its checks, the settings, the content key, and what the asset says of it. A new parameter is
+//! one row, and the code that uses its setting.
 //!
 //! - here: the table, and what is done with all of its rows;
 //! - [`row`]: what a row holds; [`range`] and [`check`]: what is refused;

@@ -203,7 +203,7 @@ mod tests {
         let given = || parts(&mixed(), 4);
         assert!(refusal(Vec::new()).contains("no summary"));
         let missing = given().into_iter().filter(|part| part.shard.unwrap().index % 2 == 1).collect();
-        assert!(refusal(missing).contains("parts 2, 4 are missing, of 4; run them"));
+        assert!(refusal(missing).contains("parts 2, 4 are missing, of 4; run these"));
         let double = given().into_iter().chain([given()[2].clone()]).collect();
         assert!(refusal(double).contains("part 3 is there more than once, of 4"));
         assert!(refusal(vec![mixed()]).contains("whole batch"));

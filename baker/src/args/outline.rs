@@ -59,7 +59,13 @@ pub struct OutlineArguments {
     #[arg(long, value_name = "RULE", default_value_t, value_parser = DiscRule::from_str, help_heading = "Map")]
     quadrature: DiscRule,
     /// Quadrature of the density, written as the area's
-    #[arg(long, value_name = "RULE", default_value_t = AreaDensity::default().rule, requires = "density", help_heading = "Map")]
+    #[arg(
+        long,
+        value_name = "RULE",
+        default_value_t = AreaDensity::default().rule,
+        requires = "density",
+        help_heading = "Map"
+    )]
     density_quadrature: DiscRule,
     /// Move the outline: X,Y, metres
     #[arg(long, value_name = "VECTOR", allow_hyphen_values = true, help_heading = "Outline")]

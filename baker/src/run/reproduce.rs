@@ -1,6 +1,7 @@
 //! `volmap reproduce`.
 
 use crate::args::reproduce::ReproduceArguments;
+use crate::options::with_options;
 use crate::progress::Progress;
 use anyhow::{Error, Result, bail};
 use std::io::{self, Write};
@@ -38,7 +39,7 @@ pub fn run_reproduce(arguments: &ReproduceArguments) -> Result<()> {
     }
     for one in &finished {
         let (name, time) = (format!("{}: {}", one.name, one.title), duration(one.seconds));
-        writeln!(out, "{}  {time}\n", table::to_text(&name, &one.outcome))?;
+        writeln!(out, "{}  {time}\n", with_options(&table::to_text(&name, &one.outcome)))?;
     }
     Ok(())
 }

@@ -60,7 +60,7 @@ pub fn measure(settings: &DragonSettings, watch: &Watch) -> Result<Outcome, Erro
         "dense, ours",
     ];
     let Some(mesh) = &settings.mesh else {
-        let remark = "needs the mesh Dragon_50k.obj";
+        let remark = "needs the mesh: `dragon`";
         rows.push(missing("sparse", "MiB", Some(6.4), remark));
         rows.push(missing("dense over sparse", "", Some(5.5), remark));
         return Ok(outcome(rows, assumed(r, None)));
@@ -124,7 +124,7 @@ mod tests {
         assert!((dense.ratio().unwrap() - 1.0).abs() < 0.03, "{dense:?}");
         for row in [sparse, factor] {
             assert!(row.measured.is_nan() && row.ratio().is_none());
-            assert!(row.remark.as_ref().unwrap().contains("Dragon_50k"));
+            assert!(row.remark.as_ref().unwrap().contains("`dragon`"));
         }
     }
 

@@ -18,9 +18,9 @@ pub struct Body {
     pub map: Option<PathBuf>,
     /// Or a mesh, which is baked on first use.
     pub mesh: Option<PathBuf>,
-    /// How the mesh is baked: parameters of `volmap bake`, with `_` for `-`. The support radius and, for density maps, the
-    /// kernel are the scene's. Default of the cells: a quarter of the support radius; with closure `mirror` an eighth, and a
-    /// twelfth for bodies that turn by `motion`.
+    /// How the mesh is baked: parameters of `volmap bake`, with `_` for `-`. The support radius and, for density maps,
+    /// the kernel are the scene's. Default of the cells: a quarter of the support radius; with closure `mirror` an
+    /// eighth, and a twelfth for bodies that turn by `motion`.
     pub bake: Parameters,
     /// Place of the body's origin at the start, metres.
     pub translation: [f64; 3],
