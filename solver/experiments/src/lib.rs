@@ -6,8 +6,8 @@
 //!
 //! # Running experiments
 //!
-//! [`validation::EXPERIMENTS`] and [`reproduce::EXPERIMENTS`] list them. Each has a long form and a short one of about ten
-//! seconds.
+//! [`validation::EXPERIMENTS`] and [`reproduce::EXPERIMENTS`] list them. Each has a long form and a short one of about
+//! ten seconds.
 //!
 //! ```no_run
 //! use volmap_bake::watch::Watch;
@@ -27,9 +27,9 @@
 //!
 //! # Adding one
 //!
-//! An experiment is one file with an `EXPERIMENT`, and one line in a list; README.md shows it. [`validation::flow`] makes
-//! water, [`reproduce::methods`] every boundary method, [`volmap_fluid::shapes`] bodies, and [`volmap_fluid::observe`]
-//! measures.
+//! An experiment is one file with an `EXPERIMENT`, and one line in a list; README.md shows it. [`validation::flow`]
+//! makes water, [`reproduce::methods`] every boundary method, [`volmap_fluid::shapes`] bodies, and
+//! [`volmap_fluid::observe`] measures.
 //!
 //! # Guarantees
 //!

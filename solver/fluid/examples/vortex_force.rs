@@ -39,7 +39,7 @@ pub struct Vortices {
     curls: Vec<[[f32; 3]; 2]>,
 }
 
-/// The spins w of the particles, 1/s: reordered, kept in check-points and written into frames with them.
+/// The spins w of the particles, 1/s: reordered, kept in checkpoints and written into frames with them.
 const SPIN: ChannelDeclaration =
     ChannelDeclaration { name: "spin", initial: Initial::Vector([0.0; 3]), in_frames: true };
 

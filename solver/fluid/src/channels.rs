@@ -2,14 +2,14 @@
 //! velocity.
 //!
 //! A force declares those it needs. They are then added, put into another order and removed with the particles, and
-//! check-points and frames have them, all without another line.
+//! checkpoints and frames have them, all without another line.
 
 use rayon::prelude::*;
 
 /// What a force says of a channel that it needs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChannelDeclaration {
-    /// Its name, in check-points and frames: unique, and none of those of [`Particles`](crate::particles::Particles).
+    /// Its name, in checkpoints and frames: unique, and none of those of [`Particles`](crate::particles::Particles).
     pub name: &'static str,
     /// What a particle begins with, and so whether it is numbers or vectors.
     pub initial: Initial,

@@ -26,7 +26,7 @@ pub struct Jet {
 /// speed, and lies where the flow has carried it since.
 #[derive(Clone, Debug)]
 pub struct Emitter {
-    /// How far it is; what a check-point has to keep.
+    /// How far it is; what a checkpoint has to keep.
     pub state: EmitterState,
     jet: Jet,
 }

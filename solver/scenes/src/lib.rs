@@ -52,8 +52,8 @@
 //! # A run
 //!
 //! A [`session::Session`] simulates into a folder: frames, pictures, statistics and checkpoints. The package's
-//! `examples/` has a program that runs a scene file and looks at each frame. A [`Watch`](volmap_bake::watch::Watch) stops
-//! it from another thread: it ends after the step, with a checkpoint.
+//! `examples/` has a program that runs a scene file and looks at each frame. A [`Watch`](volmap_bake::watch::Watch)
+//! stops it from another thread: it ends after the step, with a checkpoint.
 //!
 //! # Guarantees
 //!

@@ -27,7 +27,7 @@ impl Identity {
             *path = path.file_name().unwrap_or_default().into();
         }
         let text = serde_json::to_string(&run).expect("a scene is numbers and text");
-        // The hash is of the names that scenes had when check-points began.
+        // The hash is of the names that scenes had when checkpoints began.
         let name = run.kernel.name();
         let kernel = |name: &str| format!("\"kernel\":\"{name}\"");
         let text = text.replacen(&kernel(name), &kernel(&name.replace('_', "-")), 1);

@@ -137,8 +137,8 @@ impl Session {
         Ok(session)
     }
 
-    /// Simulates until the end, or until the watch is cancelled, and finishes either way: a run that was stopped has its
-    /// checkpoint, and [`Session::is_done`] is false. `on_step` is called after each step.
+    /// Simulates until the end, or until the watch is cancelled, and finishes either way: a run that was stopped has
+    /// its checkpoint, and [`Session::is_done`] is false. `on_step` is called after each step.
     ///
     /// # Errors
     /// As [`Session::step`] and [`Session::finish`].

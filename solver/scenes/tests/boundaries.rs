@@ -299,7 +299,7 @@ fn assets_without_a_density_are_refused_with_the_cure() {
     let error = prepare(&scene, &Default::default(), &mut |_| ()).unwrap_err().to_string();
     assert!(error.starts_with("bodies[0].map") && error.contains("it holds no density"), "{error}");
     assert!(
-        error.contains("support_radius = 0.2, invert = true, density = true, kernel = cubic_spline"),
+        error.contains("support_radius = 0.2, invert = true, density = true, kernel = \"cubic_spline\""),
         "{error}"
     );
 }

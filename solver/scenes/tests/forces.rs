@@ -1,4 +1,4 @@
-//! Forces in scenes: their tables, and those of a program's own in check-points and frames.
+//! Forces in scenes: their tables, and those of a program's own in checkpoints and frames.
 
 #[allow(dead_code)]
 #[path = "../../fluid/examples/vortex_force.rs"]

@@ -235,8 +235,7 @@ fn maps_of_another_radius_are_refused_for_bodies_and_taken_for_fills() {
     let from_map = Body { map: Some(file.clone()), ..Body::default() };
     let half = Scene { particle_radius: 0.0125, ..scene(&folder) };
     let error = run(&Scene { bodies: vec![from_map.clone()], blocks, ..half.clone() }).unwrap_err();
-    for part in ["bodies[0].map", "0.1 m", "`calibrated`", "0.05 m", "support_radius = 0.05", "invert = true"]
-    {
+    for part in ["bodies[0].map", "0.1 m", "`calibrated`", "0.05 m", "support_radius = 0.05, invert = true"] {
         assert!(error.contains(part), "{part}: {error}");
     }
     let fills = vec![Fill {

@@ -1,10 +1,10 @@
 //! Bender et al. 2020, Fig. 11: a dam break in two dimensions, density maps and volume maps of 10 x 10 and 60 x 60
 //! cells.
 //!
-//! The paper shows pictures and gives no sizes. Ours: a tank of 1 m, a column of 0.4 m by 0.5 m of particles of rp = 1 cm
-//! (500), support radius 4 rp, so that cells are 2.9 and 0.48 support radii. Its "visual artifacts" are measured by their
-//! cause: along a flat floor the wall's force should neither change nor point sideways, and the layer next to the floor
-//! should stay a layer.
+//! The paper shows pictures and gives no sizes. Ours: a tank of 1 m, a column of 0.4 m by 0.5 m of particles of rp = 1
+//! cm (500), support radius 4 rp, so that cells are 2.9 and 0.48 support radii. Its "visual artifacts" are measured by
+//! their cause: along a flat floor the wall's force should neither change nor point sideways, and the layer next to the
+//! floor should stay a layer.
 
 use crate::validation::{Experiment, Outcome, Row, Run, chart, curve};
 use std::f64::consts::TAU;

@@ -81,8 +81,8 @@ const PICTURES: &str = "pictures";
 const BODIES: &str = "bodies";
 
 impl Output {
-    /// Opens the folder of a run that begins (`start` is `None`) or resumes; creates it if it is missing. `bodies` are the
-    /// meshes of the bodies that frames have poses of.
+    /// Opens the folder of a run that begins (`start` is `None`) or resumes; creates it if it is missing. `bodies` are
+    /// the meshes of the bodies that frames have poses of.
     ///
     /// # Errors
     /// A folder or file that can't be written.

@@ -103,10 +103,11 @@ pub struct Material {
     pub friction: f64,
     /// Restitution between bodies: 0 stays, 1 bounces.
     pub restitution: f64,
-    /// How the fluid sticks: kinematic viscosity between it and the body, m^2/s, as the fluid's own (Bender et al. 2020, Eq. 16
-    /// and 17, mu_B over rho_0). 0: it slips.
+    /// How the fluid sticks: kinematic viscosity between it and the body, m^2/s, as the fluid's own (Bender et al.
+    /// 2020, Eq. 16 and 17, mu_B over rho_0). 0: it slips.
     pub fluid_viscosity: f64,
-    /// Tangential friction between fluid and body, m^2/s (Eq. 18 and 19): as `fluid_viscosity`, but the fluid comes off freely.
+    /// Tangential friction between fluid and body, m^2/s (Eq. 18 and 19): as `fluid_viscosity`, but the fluid comes off
+    /// freely.
     pub fluid_friction: f64,
 }
 

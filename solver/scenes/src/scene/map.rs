@@ -75,8 +75,8 @@ pub fn default_cache() -> PathBuf {
 }
 
 impl<'a> Library<'a> {
-    /// Nothing opened yet; maps are those that the world's boundary method takes, and kept in `cache`. `on_bake` is called
-    /// with the mesh before each bake, which may take seconds.
+    /// Nothing opened yet; maps are those that the world's boundary method takes, and kept in `cache`. `on_bake` is
+    /// called with the mesh before each bake, which may take seconds.
     pub fn new(
         world: &World,
         cache: PathBuf,
@@ -156,7 +156,7 @@ impl<'a> Library<'a> {
             return self.with_density(shape, source, key);
         }
         let file = source.path().display();
-        let invert = if shape.map.exterior() == Exterior::Solid { " and invert = true" } else { "" };
+        let invert = invert(&shape.map);
         let reason = format!(
             "{file} was baked for a support radius of {has} m, but closure `{}` takes one of {needs} m here; bake its mesh \
              again with support_radius = {needs}{invert}, or name the mesh in the scene instead",
@@ -201,12 +201,11 @@ impl<'a> Library<'a> {
         let Some(kernel) = self.density else { return Ok(shape) };
         let Some(defect) = density_map::defect(shape.map.density_kernel(), kernel) else { return Ok(shape) };
         let file = source.path().display();
-        let invert = if shape.map.exterior() == Exterior::Solid { ", invert = true" } else { "" };
+        let (radius, invert) = (self.support_radius, invert(&shape.map));
         let reason = format!(
             "{file} can't be used with boundary = \"density_map\": {defect}; name the mesh in the scene instead, or bake it \
-             again with support_radius = {}{invert}, density = true, kernel = {kernel} (its gamma ends at r, as in the paper, \
-             and the fluid keeps farther from walls)",
-            self.support_radius
+             again with support_radius = {radius}{invert}, density = true, kernel = \"{kernel}\" (its gamma ends at r, \
+             as in the paper, and the fluid keeps farther from walls)"
         );
         Err(Error::Scene { place: format!("{key}.map"), reason })
     }
@@ -255,8 +254,7 @@ impl<'a> Library<'a> {
     ) -> Result<VolumeMap, Error> {
         self.watch.check()?;
         (self.on_bake)(path);
-        let baked =
-            bake(input, &recipe.bake, &Default::default()).map_err(|error| cannot_bake(path, error))?;
+        let baked = bake(input, &recipe.bake, self.watch).map_err(|error| cannot_bake(path, error))?;
         let notes = baked.summary.warnings.iter().map(|warning| format!("{}: {warning}", path.display()));
         self.notes.extend(notes);
         let kept = std::fs::create_dir_all(&self.cache).map_err(|error| error.to_string());
@@ -288,6 +286,11 @@ impl<'a> Library<'a> {
     }
 }
 
+/// The parameter that bakes a map like this one as a container.
+fn invert(map: &VolumeMap) -> &'static str {
+    if map.exterior() == Exterior::Solid { ", invert = true" } else { "" }
+}
+
 /// Containers with cells so many times larger are worth a note.
 const COARSE: f64 = 1.2;
 
@@ -311,7 +314,7 @@ fn open_asset(path: &Path) -> Result<Shape, Error> {
     let in_file = |error| volmap_runtime::Error::InFile { path: path.to_owned(), error: Box::new(error) };
     let map = VolumeMap::from_bytes(bytes).map_err(in_file)?;
     if map.dimension() == Dimension::Two {
-        let reason = "it is a map in two dimensions, and scenes are in three; bake a mesh instead";
+        let reason = "it is a map in two dimensions, and scenes are in three; name a mesh instead";
         return Err(Error::Scene { place: path.display().to_string(), reason: reason.into() });
     }
     Ok(Shape { map: Arc::new(map), mesh: None, origin: Origin::Asset, content })
