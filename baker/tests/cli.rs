@@ -377,8 +377,8 @@ fn commands_that_are_stopped_say_so_and_leave_no_file() {
         volmap(&folder).args(["bake", "-q", "-o", "small.h5", "--resolution", "12"]).arg(data("duck.obj")),
     );
     let commands = [
-        format!("bake {duck} -o stopped.h5 --resolution 400 --max-memory 64G --quadrature gl100"),
-        format!("bake {duck} -o stopped.h5 --tolerance 0.1% --support-radius 0.04 --max-memory 64G"),
+        format!("bake {duck} -o stopped.h5 --resolution 400 --max-memory 64GiB --quadrature gl100"),
+        format!("bake {duck} -o stopped.h5 --tolerance 0.1% --support-radius 0.04 --max-memory 64GiB"),
         format!("report small.h5 --mesh {duck} --points 100000 --gl100-mesh-points 5000 --output stopped"),
         "slice small.h5 --plane z=0 --pixels 4096 -o stopped.png".to_owned(),
         "export small.h5 -o stopped.ply --resolution 1500".to_owned(),
@@ -387,8 +387,8 @@ fn commands_that_are_stopped_say_so_and_leave_no_file() {
     for line in commands {
         let mut process = Process::new(env!("CARGO_BIN_EXE_volmap"));
         process.args(line.split(' ')).current_dir(folder.path());
-        let child = process.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-        while !catches_interrupts(child.id()) {
+        let mut child = process.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        while child.try_wait().unwrap().is_none() && !catches_interrupts(child.id()) {
             std::thread::sleep(Duration::from_millis(5));
         }
         std::thread::sleep(Duration::from_millis(50));
