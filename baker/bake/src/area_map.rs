@@ -158,12 +158,7 @@ pub fn bake(
         grid: grid.into(),
         support_radius: radius,
         exterior: if settings.invert { Exterior::Solid } else { Exterior::Fluid },
-        quadrature: QuadratureSpec {
-            name: settings.rule.to_string(),
-            degree: settings.rule.degree(),
-            points: settings.rule.points().len() as u64,
-            ball_volume: disc_area,
-        },
+        quadrature: quadrature(settings.rule, radius),
         band_cells,
         solid_cells,
         signed_distance: stored(distance, radius, settings.precision)?.0,
@@ -173,6 +168,15 @@ pub fn bake(
         source: Attributes::new(),
         diagnosis: Attributes::new(),
     })
+}
+
+fn quadrature(rule: DiscRule, radius: f64) -> QuadratureSpec {
+    QuadratureSpec {
+        name: rule.to_string(),
+        degree: rule.degree(),
+        points: rule.points().len() as u64,
+        ball_volume: rule.disc_area(radius),
+    }
 }
 
 /// Eq. 9.

@@ -5,6 +5,7 @@ use crate::maps::Maps;
 use crate::plan::Plan;
 use crate::settings::{Precision, Settings};
 use crate::summary::Rounding;
+use crate::volume_map::quadrature::Rule;
 use volmap_formats::asset::{Array, Asset, Attributes, Dimension, QuadratureSpec, Rounded};
 
 /// Bytes of all fields if every cell of the grid were stored, and for the band alone.
@@ -22,13 +23,8 @@ pub(crate) fn stored_asset(
     plan: &Plan,
     settings: &Settings,
 ) -> Result<(Asset, Option<Rounding>), Error> {
-    let (r, rule) = (plan.support_radius, settings.rule);
-    let quadrature = QuadratureSpec {
-        name: rule.to_string(),
-        degree: rule.degree(),
-        points: rule.points().len() as u64,
-        ball_volume: rule.ball_volume(r),
-    };
+    let r = plan.support_radius;
+    let quadrature = quadrature(settings.rule, r);
     let (signed_distance, distance_change) = stored(maps.distance, r, settings.precision)?;
     let (volume, volume_change) = stored(maps.volume, quadrature.ball_volume, settings.precision)?;
     let density = maps.density.map(|values| stored(values, 1.0, settings.precision)).transpose()?;
@@ -58,6 +54,15 @@ pub(crate) fn stored_asset(
         diagnosis: Attributes::new(),
     };
     Ok((asset, rounding))
+}
+
+fn quadrature(rule: Rule, support_radius: f64) -> QuadratureSpec {
+    QuadratureSpec {
+        name: rule.to_string(),
+        degree: rule.degree(),
+        points: rule.points().len() as u64,
+        ball_volume: rule.ball_volume(support_radius),
+    }
 }
 
 /// A field as it is stored, and, where it is rounded to parts of `unit`, the largest change in that unit.
