@@ -93,7 +93,7 @@ impl Display for Summary {
         self.fmt_grid(f)?;
         self.fmt_fields(f)?;
         let stages: Vec<String> =
-            self.seconds.iter().map(|(name, seconds)| format!("{name} {}", number(*seconds))).collect();
+            self.seconds.iter().map(|(name, seconds)| format!("{name} {seconds:.3}")).collect();
         let total: f64 = self.seconds.iter().map(|(_, seconds)| seconds).sum();
         write!(f, "time       {} s: {}", number(total), stages.join(", "))?;
         self.warnings.iter().try_for_each(|warning| write!(f, "\nwarning    {warning}"))
