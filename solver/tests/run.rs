@@ -107,7 +107,7 @@ impl Place {
         assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
     }
 
-    /// What a run says that can't go on.
+    /// The error of a run that can't start.
     fn refuse(&self, name: &str, arguments: &[&str]) -> String {
         let done = self.run(name, arguments);
         let told = String::from_utf8(done.stderr).unwrap();
@@ -273,7 +273,7 @@ fn runs_are_not_replaced_or_mixed_up() {
     assert_eq!(place.run("run", &["--overwrite", "--resume"]).status.code(), Some(2));
 }
 
-/// A rate that is raised on the way gives no frames for the time before, one that is lowered no gap.
+/// A higher rate after a resume adds no frames for the time before, a lower one leaves no gap.
 #[test]
 fn frames_lie_at_multiples_of_their_interval() {
     let scene = |rate: f64| {
@@ -294,7 +294,7 @@ fn frames_lie_at_multiples_of_their_interval() {
     assert_eq!(times, [0, 40, 80, 110, 120, 130, 140, 150, 200, 300]);
 }
 
-/// Whoever says stop in the last step stops nothing.
+/// A stop in the last step changes nothing.
 #[test]
 fn a_run_is_done_at_its_end_and_not_before() {
     let place = Place::new(
@@ -323,7 +323,7 @@ fn a_run_is_done_at_its_end_and_not_before() {
     assert!(session.is_done());
 }
 
-/// A map as a body, a mesh as a fill: another file under the same name is another scene.
+/// A map as a body, a mesh as a fill: other content under the same name is another scene.
 #[test]
 fn changed_maps_and_meshes_are_refused() {
     let scene = |solid: &str| {
@@ -371,7 +371,7 @@ fn explosions_end_with_their_cause() {
     assert!(place.refuse("out", &["--overwrite"]).contains("NaN"));
 }
 
-/// Two jets leave a domain without bodies; nobody is lost in silence.
+/// Two jets leave a domain without bodies: emitted and removed particles add up.
 #[test]
 fn particles_are_counted() {
     let place = Place::new(

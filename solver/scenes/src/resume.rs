@@ -3,7 +3,9 @@
 use crate::error::Error;
 use crate::output::{Checkpoint, CheckpointWriter};
 use crate::scene::{Scene, SourceFile};
+use serde::Serialize;
 use std::path::Path;
+use volmap_bake::parameters::{Parameters, Resolution, Scale, Unit, Up};
 use volmap_fluid::channels::ChannelValues;
 use volmap_fluid::particles::Particles;
 use volmap_fluid::simulation::Simulation;
@@ -26,11 +28,16 @@ impl Identity {
         for path in run.paths_mut() {
             *path = path.file_name().unwrap_or_default().into();
         }
-        let text = serde_json::to_string(&run).expect("a scene is numbers and text");
+        let text = json(&run);
         // The hash is of the names that scenes had when checkpoints began.
         let name = run.kernel.name();
         let kernel = |name: &str| format!("\"kernel\":\"{name}\"");
-        let text = text.replacen(&kernel(name), &kernel(&name.replace('_', "-")), 1);
+        let mut text = text.replacen(&kernel(name), &kernel(&name.replace('_', "-")), 1);
+        let bakes =
+            scene.bodies.iter().map(|body| &body.bake).chain(scene.fills.iter().map(|fill| &fill.bake));
+        for (bake, first) in bakes.filter_map(|bake| Some((bake, FirstBake::of(bake)?))) {
+            text = text.replace(&format!("\"bake\":{}", json(bake)), &format!("\"bake\":{}", json(&first)));
+        }
         Identity { scene: *blake3::hash(text.as_bytes()).as_bytes(), files }
     }
 
@@ -44,6 +51,40 @@ impl Identity {
         let mut pairs = self.files.iter().enumerate();
         pairs.find(|(n, file)| before.get(*n) != Some(&file.content)).map(|(_, file)| file)
     }
+}
+
+/// The parameters of a bake that scenes had when checkpoints began.
+#[derive(Serialize)]
+struct FirstBake {
+    invert: bool,
+    unit: Option<Unit>,
+    up: Up,
+    scale: Option<Scale>,
+    thickness: f64,
+    resolution: Option<Resolution>,
+    cell_size: Option<f64>,
+}
+
+impl FirstBake {
+    /// None if the bake has others.
+    fn of(bake: &Parameters) -> Option<FirstBake> {
+        let &Parameters { invert, unit, up, scale, thickness, resolution, cell_size, .. } = bake;
+        let alone =
+            Parameters { invert, unit, up, scale, thickness, resolution, cell_size, ..Parameters::default() };
+        (alone == *bake).then(|| FirstBake {
+            invert: invert.unwrap_or_default(),
+            unit,
+            up: up.unwrap_or_default(),
+            scale,
+            thickness: thickness.unwrap_or_default(),
+            resolution,
+            cell_size,
+        })
+    }
+}
+
+fn json(value: &impl Serialize) -> String {
+    serde_json::to_string(value).expect("numbers and text")
 }
 
 /// Writes the state after the last step, and the number of frames written so far.

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use tempfile::TempDir;
 use volmap_bake::parameters::{DensityKernel, Numbers, Parameters, PrecisionName, Scale};
+use volmap_bake::watch::Watch;
 use volmap_fluid::settings::BoundaryMethod;
 use volmap_runtime::{ClosureKind, DVec3, KernelKind};
 use volmap_scenes::scene::map::Origin;
@@ -177,6 +178,18 @@ fn no_fluid_is_an_error_with_its_cause() {
     let bake = Parameters { scale: Some(Scale([0.01; 3])), ..tank(false) };
     let fills = vec![Fill { mesh: Some(data("tank.obj")), bake, ..Fill::default() }];
     assert!(run(&Scene { fills, ..scene(&cache) }).unwrap_err().contains("no particle fits"));
+}
+
+/// The watch is cancelled when the bake begins, as by Ctrl-C.
+#[test]
+fn a_bake_that_is_cancelled_leaves_nothing() {
+    let cache = tempfile::tempdir().unwrap();
+    let scene =
+        Scene { bodies: vec![body(tank(true))], blocks: vec![cube([0.0, 0.2, 0.0], 0.3)], ..scene(&cache) };
+    let watch = Watch::default();
+    let error = prepare(&scene, &watch, &mut |_| watch.cancel().cancel()).unwrap_err();
+    assert!(error.is_cancelled(), "{error}");
+    assert!(!cache.path().join("maps").exists());
 }
 
 #[test]
