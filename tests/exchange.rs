@@ -103,7 +103,7 @@ fn what_is_outside_is_told_by_the_border() {
     let grid =
         discregrid(&baked("torus.obj", Settings { domain: cut, ..settings() }), true, &Watch::default())
             .unwrap();
-    assert!(from_grid(&grid, &IMPORT).unwrap_err().contains("--exterior"));
+    assert!(from_grid(&grid, &IMPORT).unwrap_err().contains("`exterior`"));
 }
 
 #[test]

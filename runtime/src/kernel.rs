@@ -11,15 +11,13 @@ use volmap_formats::asset::Dimension;
 
 /// SPH kernels, all scaled to the support radius.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum KernelKind {
     /// Cubic spline (Monaghan 1992), the usual one.
     #[default]
-    #[cfg_attr(feature = "serde", serde(alias = "cubic-spline", alias = "cubic"))]
     CubicSpline,
     /// Wendland's C2 function (Wendland 1995), (1 - q)^4 (4 q + 1).
-    #[cfg_attr(feature = "serde", serde(alias = "wendland-c2", alias = "wendland"))]
     WendlandC2,
     /// Spiky (Mueller et al. 2003), (1 - q)^3; its slope doesn't vanish at the centre.
     Spiky,
@@ -98,7 +96,7 @@ impl KernelKind {
     }
 
     /// Its name, as files and messages have it.
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             KernelKind::CubicSpline => "cubic_spline",
             KernelKind::WendlandC2 => "wendland_c2",
@@ -128,6 +126,17 @@ impl FromStr for KernelKind {
         known.ok_or_else(|| {
             format!("`{text}` is no kernel; take {}", KernelKind::ALL.map(KernelKind::name).join(", "))
         })
+    }
+}
+
+/// By its name, as [`FromStr`] reads it; an error lists the names of today alone.
+#[cfg(feature = "serde")]
+impl<'de> serde::Deserialize<'de> for KernelKind {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<KernelKind, D::Error> {
+        const ALL: [KernelKind; 4] = KernelKind::ALL;
+        const NAMES: &[&str] = &[ALL[0].name(), ALL[1].name(), ALL[2].name(), ALL[3].name()];
+        let text = std::borrow::Cow::<str>::deserialize(deserializer)?;
+        text.parse().map_err(|_| serde::de::Error::unknown_variant(&text, NAMES))
     }
 }
 

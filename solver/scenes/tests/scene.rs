@@ -142,7 +142,7 @@ fn wrong_types_are_placed() {
     let cases = [
         ("0.025", "\"small\"", "s.toml:3:19: invalid type: string \"small\", expected f64"),
         ("[0, -9.81, 0]", "[0, -9.81]", "s.toml:4:11: invalid length 2"),
-        ("scale = 2", "scale = [1, 2]", "s.toml:12:25: invalid value `1,2`: give S, or SX,SY,SZ"),
+        ("scale = 2", "scale = [1, 2]", "s.toml:12:33: invalid value `1,2`: give S, or SX,SY,SZ"),
         ("invert = true", "invert = 1", "s.toml:12:19: invalid type: integer `1`, expected a boolean"),
         ("version = 1\n", "", "the key `version` is missing"),
         ("[bodies.motion.free]\ndensity = 500.0", "motion = \"free\"", "needs a table with its settings"),

@@ -144,7 +144,7 @@ fn what_lies_in_a_body_is_left_out_and_counted() {
     let prepared = run(&Scene { bodies: vec![body(tank(false))], blocks, ..scene(&cache) }).unwrap();
     let counts = &prepared.particles.counts[0];
     assert_eq!((counts.particles, counts.in_bodies), (64_000 - 8000, 8000));
-    assert!(prepared.notes[0].contains("8000 lie in a body"), "{:?}", prepared.notes);
+    assert!(prepared.notes[0].contains("8000 in a body"), "{:?}", prepared.notes);
 }
 
 #[test]

@@ -221,7 +221,7 @@ pub struct ThinPlaces {
     pub points: usize,
     /// Longest edge of the cells, metres.
     pub cell: f64,
-    /// ErrorPart of the surface by kind.
+    /// Part of the surface by kind.
     pub kinds: Vec<ThinKind>,
     /// Thinnest walls.
     pub walls: Vec<Width>,
@@ -229,14 +229,14 @@ pub struct ThinPlaces {
     pub gaps: Vec<Width>,
 }
 
-/// ErrorPart of the surface of one kind.
+/// Part of the surface of one kind.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct ThinKind {
     /// Which.
     pub kind: Thin,
     /// In words.
     pub description: String,
-    /// ErrorPart of the surface, 0 to 1.
+    /// Part of the surface, 0 to 1.
     pub part: f64,
 }
 

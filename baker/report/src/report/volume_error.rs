@@ -41,13 +41,13 @@ pub struct ErrorParts {
 #[serde(rename_all = "kebab-case")]
 #[schemars(rename = "Part")]
 pub enum ErrorPart {
-    /// See [`ErrorParts`].
+    /// See `ErrorParts`.
     InterpolationOfDistance,
-    /// See [`ErrorParts`].
+    /// See `ErrorParts`.
     Quadrature,
-    /// See [`ErrorParts`].
+    /// See `ErrorParts`.
     InterpolationOfVolume,
-    /// See [`ErrorParts`].
+    /// See `ErrorParts`.
     Storage,
 }
 

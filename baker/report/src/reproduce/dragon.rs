@@ -43,7 +43,7 @@ struct Bytes {
 /// Runs the experiment; without a mesh only what doesn't need it.
 ///
 /// # Errors
-/// DragonSettings or a mesh that can't be used; cancelled.
+/// Settings or a mesh that can't be used; cancelled.
 pub fn measure(settings: &DragonSettings, watch: &Watch) -> Result<Outcome, Error> {
     let [x, y, z] = settings.cells;
     let r = settings.radius;
