@@ -1,6 +1,6 @@
 //! Shapes whose distance and volume are known: the error of distance and volume falls at the element's order.
 
-use volmap_bake::plan::Settings;
+use volmap_bake::plan::MapSettings;
 use volmap_bake::volume_map::extension::extension;
 use volmap_bake::volume_map::quadrature::{Point, Rule};
 use volmap_runtime::DVec3;
@@ -26,7 +26,7 @@ enum Part {
 
 /// Largest errors of distance (metres) and volume (of the full ball) at random points of the band.
 fn errors(solid: &Solid, resolution: u32, part: Part, rule: Rule) -> [f64; 2] {
-    let mut settings = Settings { support_radius: Some(RADIUS), rule, ..Settings::default() };
+    let mut settings = MapSettings { support_radius: Some(RADIUS), rule, ..MapSettings::default() };
     let resolution = if part == Part::Octant { resolution / 2 } else { resolution };
     if part == Part::Octant {
         settings.domain = Some([[0.0; 3], (solid.extent.max + 2.0 * RADIUS).to_array()]);

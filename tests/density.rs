@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::sync::Arc;
 use volmap_bake::density_map::{DensitySettings, oracle};
-use volmap_bake::plan::{Extent, Settings};
+use volmap_bake::plan::{Extent, MapSettings};
 use volmap_bake::rows::positions;
 use volmap_bake::sdf::band::find_band;
 use volmap_bake::sdf::field::{DistanceField, Phi};
@@ -18,8 +18,13 @@ use volmap_tests::{Random, SPHERE, Solid, TORUS, asset_of, compute, map_of};
 
 const R: f64 = 0.1;
 
-fn settings(density: DensitySettings) -> Settings {
-    Settings { support_radius: Some(R), rule: Rule::Ball(3), density: Some(density), ..Settings::default() }
+fn settings(density: DensitySettings) -> MapSettings {
+    MapSettings {
+        support_radius: Some(R),
+        rule: Rule::Ball(3),
+        density: Some(density),
+        ..MapSettings::default()
+    }
 }
 
 /// All below z = 0.
@@ -45,7 +50,7 @@ fn lattice_is_the_oracle_at_every_node() {
     ];
     for (solid, resolution, density) in cases {
         let invert = solid.name == "container";
-        let (plan, maps) = compute(solid, resolution, &Settings { invert, ..settings(density) });
+        let (plan, maps) = compute(solid, resolution, &MapSettings { invert, ..settings(density) });
         // Phi wherever a ball may reach, on a lattice with a margin.
         let grid = plan.grown((R / plan.grid.cell_size).ceil().as_uvec3() + 1);
         let cells =
@@ -95,7 +100,7 @@ fn a_floor_has_the_density_of_the_half_space() {
         for (rule, limit) in [(Rule::GaussLegendre(30), 3e-3), (Rule::GaussLegendre(50), 5e-4)] {
             let density = DensitySettings { kernel, rule, ..DensitySettings::default() };
             let domain = Some([[-0.2, -0.2, -0.3], [0.2, 0.2, 0.25]]);
-            let (plan, maps) = compute(&FLOOR, 10, &Settings { domain, ..settings(density) });
+            let (plan, maps) = compute(&FLOOR, 10, &MapSettings { domain, ..settings(density) });
             let values = maps.density.unwrap();
             let (mut worst, mut deep, mut highest) = (0.0f64, 0.0f64, 0.0f64);
             let mut exact = BTreeMap::new();
@@ -120,7 +125,7 @@ fn maps_hold_the_exact_density_to_what_the_element_allows() {
         let invert = solid.name == "container";
         let density = DensitySettings { rule: Rule::GaussLegendre(50), ..DensitySettings::default() };
         let error = |resolution: u32| {
-            let map = map_of(solid, resolution, &Settings { invert, ..settings(density) });
+            let map = map_of(solid, resolution, &MapSettings { invert, ..settings(density) });
             let mut random = Random::from_state(71);
             let (mut worst, mut seen) = (0.0f64, 0);
             while seen < 300 {
@@ -211,9 +216,9 @@ fn bodies_turn_the_gradient() {
 #[test]
 fn the_volume_does_not_depend_on_the_density() {
     for (solid, invert) in [(&SPHERE, false), (&CONTAINER, true)] {
-        let with = Settings { invert, ..settings(DensitySettings::default()) };
+        let with = MapSettings { invert, ..settings(DensitySettings::default()) };
         let (plan, maps) = compute(solid, 13, &with);
-        let (own_plan, own) = compute(solid, 13, &Settings { density: None, ..with });
+        let (own_plan, own) = compute(solid, 13, &MapSettings { density: None, ..with });
         assert_eq!((plan.grid, &maps.cells), (own_plan.grid, &own.cells));
         assert_eq!((maps.distance, maps.volume), (own.distance, own.volume));
     }

@@ -6,7 +6,7 @@ use volmap_bake::bake::{BakeSettings, bake};
 use volmap_bake::input::{InputSettings, load};
 use volmap_bake::iso_surface::lattice::LatticeChoice;
 use volmap_bake::iso_surface::{Surface, iso_surface};
-use volmap_bake::plan::{GridChoice, Precision, Settings};
+use volmap_bake::plan::{GridChoice, MapSettings, Precision};
 use volmap_bake::volume_map::quadrature::Rule;
 use volmap_bake::watch::Watch;
 use volmap_formats::asset::{Array, Asset, Exterior};
@@ -28,23 +28,23 @@ fn peer(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("peer").join(name)
 }
 
-fn settings() -> Settings {
-    Settings {
+fn settings() -> MapSettings {
+    MapSettings {
         support_radius: Some(R),
         rule: Rule::Ball(4),
         precision: Precision::F64,
-        ..Settings::default()
+        ..MapSettings::default()
     }
 }
 
-fn baked(mesh: &str, map: Settings) -> Asset {
+fn baked(mesh: &str, map: MapSettings) -> Asset {
     let placement = Placement { scale: [0.5, 0.5, 0.75], ..Placement::default() };
     let input = load(&peer(mesh), &InputSettings { placement, ..InputSettings::default() }).unwrap();
     bake(input, &BakeSettings { map, ..BakeSettings::default() }, &Watch::default()).unwrap().asset
 }
 
 fn computed(solid: &Solid, resolution: u32, r: f64) -> Asset {
-    let settings = Settings { support_radius: Some(r), ..settings() };
+    let settings = MapSettings { support_radius: Some(r), ..settings() };
     let (plan, maps) = compute(solid, resolution, &settings);
     asset_of(&plan, &settings, maps)
 }
@@ -68,10 +68,13 @@ fn maps_come_back_to_the_bit() {
     let cut = Some([[-0.2, -0.5, -0.9], [0.9, 0.3, 0.9]]);
     let cases = [
         ("torus.obj", settings()),
-        ("torus.obj", Settings { invert: true, grid: uneven, ..settings() }),
-        ("sphere.obj", Settings { thickness: 0.03, grid: uneven, precision: Precision::F32, ..settings() }),
-        ("sphere.obj", Settings { thickness: -0.05, invert: true, ..settings() }),
-        ("torus.obj", Settings { domain: cut, ..settings() }),
+        ("torus.obj", MapSettings { invert: true, grid: uneven, ..settings() }),
+        (
+            "sphere.obj",
+            MapSettings { thickness: 0.03, grid: uneven, precision: Precision::F32, ..settings() },
+        ),
+        ("sphere.obj", MapSettings { thickness: -0.05, invert: true, ..settings() }),
+        ("torus.obj", MapSettings { domain: cut, ..settings() }),
     ];
     for (mesh, map) in cases {
         let name = format!("{mesh} {map:?}");
@@ -96,12 +99,12 @@ fn maps_come_back_to_the_bit() {
 #[test]
 fn what_is_outside_is_told_by_the_border() {
     for invert in [false, true] {
-        let asset = baked("torus.obj", Settings { invert, ..settings() });
+        let asset = baked("torus.obj", MapSettings { invert, ..settings() });
         assert_eq!(through_a_file(&asset, &IMPORT).asset.exterior, asset.exterior);
     }
     let cut = Some([[-0.2, -0.5, -0.9], [0.9, 0.3, 0.9]]);
     let grid =
-        discregrid(&baked("torus.obj", Settings { domain: cut, ..settings() }), true, &Watch::default())
+        discregrid(&baked("torus.obj", MapSettings { domain: cut, ..settings() }), true, &Watch::default())
             .unwrap();
     assert!(from_grid(&grid, &IMPORT).unwrap_err().contains("`exterior`"));
 }
@@ -400,7 +403,7 @@ fn surfaces_in_the_lattice_close_too() {
         [(0.05, None), (0.05, Some(LatticeChoice::Resolution([40, 50, 60]))), (0.07, None)]
     {
         for invert in [false, true] {
-            let map = Settings { grid: GridChoice::CellSize(cell_size), invert, ..settings() };
+            let map = MapSettings { grid: GridChoice::CellSize(cell_size), invert, ..settings() };
             let asset = baked("UnitBox.obj", map);
             let found = surface(&asset, 0.0, lattice).unwrap();
             let (open, volume) = open_edges_and_volume(&found);
@@ -410,6 +413,6 @@ fn surfaces_in_the_lattice_close_too() {
         }
     }
     let cut = Some([[-0.2, -0.5, -0.9], [0.9, 0.3, 0.9]]);
-    let asset = baked("torus.obj", Settings { domain: cut, ..settings() });
+    let asset = baked("torus.obj", MapSettings { domain: cut, ..settings() });
     assert!(surface(&asset, 0.0, None).unwrap().is_cut);
 }

@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 use volmap_bake::area_map::disc::DiscRule;
 use volmap_bake::area_map::{self, AreaDensity, AreaSettings};
 use volmap_bake::density_map::DensitySettings;
-use volmap_bake::plan::{GridChoice, Precision, Settings};
+use volmap_bake::plan::{GridChoice, MapSettings, Precision};
 use volmap_bake::volume_map::quadrature::Rule;
 use volmap_bake::watch::Watch;
 use volmap_formats::asset::{self, Array, Asset, AssetError, CellRun, Compression, DensityField, Rounded};
@@ -56,8 +56,9 @@ fn alone() -> MutexGuard<'static, ()> {
 }
 
 /// A sphere at N^3 cells with as many attributes as real assets have: enough for HDF5's dense storage of them.
-fn sphere(resolution: u32, settings: &Settings) -> Asset {
-    let settings = Settings { support_radius: Some(0.05), rule: Rule::GaussLegendre(4), ..settings.clone() };
+fn sphere(resolution: u32, settings: &MapSettings) -> Asset {
+    let settings =
+        MapSettings { support_radius: Some(0.05), rule: Rule::GaussLegendre(4), ..settings.clone() };
     let (plan, maps) = compute(&SPHERE, resolution, &settings);
     let mut asset = asset_of(&plan, &settings, maps);
     asset.bake = (0..12).map(|k| (format!("option_{k}"), (f64::from(k) * 0.1).into())).collect();
@@ -130,9 +131,9 @@ fn disc() -> Asset {
 }
 
 fn originals() -> [Original; 7] {
-    let outside = Settings::default();
-    let container = Settings { invert: true, ..Settings::default() };
-    let dense = Settings { density: Some(DensitySettings::default()), ..Settings::default() };
+    let outside = MapSettings::default();
+    let container = MapSettings { invert: true, ..MapSettings::default() };
+    let dense = MapSettings { density: Some(DensitySettings::default()), ..MapSettings::default() };
     [
         original("disc", in_single_precision(disc()), Compression::Zstd(3)),
         original("zstd f32", in_single_precision(sphere(8, &outside)), Compression::Zstd(9)),

@@ -17,7 +17,8 @@ const NASTY: &str = "<img src=x onerror=alert(1)>&amp;\"'.obj";
 
 /// A picture of a ball's map.
 fn image() -> Image {
-    let map = map_of(&SPHERE, 12, &plan::Settings { support_radius: Some(0.1), ..plan::Settings::default() });
+    let map =
+        map_of(&SPHERE, 12, &plan::MapSettings { support_radius: Some(0.1), ..plan::MapSettings::default() });
     let settings = SliceSettings {
         plane: "z=0.1".parse().unwrap(),
         field: volmap_report::slice::Field::Volume,

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use volmap_bake::bake::{Bake, BakeSettings, bake};
 use volmap_bake::density_map::DensitySettings;
 use volmap_bake::input::{InputSettings, load};
-use volmap_bake::plan::{GridChoice, Precision, Settings};
+use volmap_bake::plan::{GridChoice, MapSettings, Precision};
 use volmap_bake::volume_map::quadrature::Rule;
 use volmap_bake::watch::Watch;
 use volmap_formats::asset::Array;
@@ -66,14 +66,14 @@ fn place([nx, ny, nz]: [u32; 3], node: u32) -> (Family, [u32; 3], u32) {
 fn bake_as_peer(mesh: &str, scale: f64, peer: &Peer, density: Option<DensitySettings>) -> Bake {
     let placement = Placement { scale: [scale; 3], ..Placement::default() };
     let input = load(&folder().join(mesh), &InputSettings { placement, ..InputSettings::default() }).unwrap();
-    let map = Settings {
+    let map = MapSettings {
         support_radius: Some(f64::from(0.1f32)),
         grid: GridChoice::Resolution(peer.resolution),
         domain: Some(peer.domain),
         precision: Precision::F64,
         rule: Rule::GaussLegendre(30),
         density,
-        ..Settings::default()
+        ..MapSettings::default()
     };
     bake(input, &BakeSettings { map, ..BakeSettings::default() }, &Watch::default()).unwrap()
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
-use volmap_bake::plan::Settings;
+use volmap_bake::plan::MapSettings;
 use volmap_bake::volume_map::quadrature::Rule;
 use volmap_formats::asset::{Array, Asset, CellRun, Exterior, Rounded};
 use volmap_runtime::layout::serendipity::node;
@@ -10,8 +10,8 @@ use volmap_runtime::layout::{Cell, CellIndex, Family, Nodes};
 use volmap_runtime::{DQuat, DVec3, Pose, PosedMap, Sample, VolumeMap};
 use volmap_tests::{Random, SPHERE, Solid, TORUS, asset_of, compute, map_of};
 
-fn settings() -> Settings {
-    Settings { support_radius: Some(0.1), rule: Rule::Ball(4), ..Settings::default() }
+fn settings() -> MapSettings {
+    MapSettings { support_radius: Some(0.1), rule: Rule::Ball(4), ..MapSettings::default() }
 }
 
 fn random_cells(random: &mut Random, n: [u32; 3], share: f64) -> Vec<CellRun> {
@@ -136,7 +136,7 @@ fn beyond_the_band_the_answer_is_outside_or_deep_inside() {
     assert_eq!(sphere.sample(DVec3::ZERO), Sample::DeepInside);
     assert_eq!(sphere.sample(DVec3::splat(0.65)), Sample::Outside);
     assert_eq!(sphere.sample(DVec3::splat(100.0)), Sample::Outside);
-    let tank = map_of(&TANK, 30, &Settings { invert: true, ..settings() });
+    let tank = map_of(&TANK, 30, &MapSettings { invert: true, ..settings() });
     assert_eq!(tank.sample(DVec3::ZERO), Sample::Outside);
     assert_eq!(tank.sample(DVec3::splat(0.65)), Sample::DeepInside);
     assert_eq!(tank.sample(DVec3::splat(100.0)), Sample::DeepInside);

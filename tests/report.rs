@@ -3,7 +3,7 @@
 use std::path::Path;
 use volmap_bake::bake::{BakeSettings, bake};
 use volmap_bake::input::{Input, Source};
-use volmap_bake::plan::{GridChoice, Precision, Settings as MapSettings};
+use volmap_bake::plan::{GridChoice, MapSettings, Precision};
 use volmap_bake::watch::Watch;
 use volmap_formats::asset::{Array, Asset};
 use volmap_formats::mesh::{CleanReport, Placement, TriangleMesh};

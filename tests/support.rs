@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use volmap_bake::density_map::compute_density;
 use volmap_bake::maps::{Maps, compute_maps};
-use volmap_bake::plan::{Extent, GridChoice, Plan, Settings, plan};
+use volmap_bake::plan::{Extent, GridChoice, MapSettings, Plan, plan};
 use volmap_bake::watch::Watch;
 use volmap_formats::asset::{Array, Asset, Attributes, Dimension, QuadratureSpec};
 use volmap_runtime::{DVec3, VolumeMap};
@@ -35,8 +35,8 @@ pub const TORUS: Solid = Solid {
 };
 
 /// Plan and fields of a solid at N^3 cells.
-pub fn compute(solid: &Solid, resolution: u32, settings: &Settings) -> (Plan, Maps) {
-    let settings = Settings { grid: GridChoice::Resolution([resolution; 3]), ..settings.clone() };
+pub fn compute(solid: &Solid, resolution: u32, settings: &MapSettings) -> (Plan, Maps) {
+    let settings = MapSettings { grid: GridChoice::Resolution([resolution; 3]), ..settings.clone() };
     let plan = plan(&solid.extent, &settings).unwrap();
     let mut maps = compute_maps(&plan, settings.rule, &solid.phi, &Watch::default()).unwrap();
     if let Some(density) = &settings.density {
@@ -46,7 +46,7 @@ pub fn compute(solid: &Solid, resolution: u32, settings: &Settings) -> (Plan, Ma
 }
 
 /// An asset with fields of double precision.
-pub fn asset_of(plan: &Plan, settings: &Settings, maps: Maps) -> Asset {
+pub fn asset_of(plan: &Plan, settings: &MapSettings, maps: Maps) -> Asset {
     Asset {
         dimension: Dimension::Three,
         grid: plan.grid.into(),
@@ -73,7 +73,7 @@ pub fn asset_of(plan: &Plan, settings: &Settings, maps: Maps) -> Asset {
 }
 
 /// The map of a solid at N^3 cells.
-pub fn map_of(solid: &Solid, resolution: u32, settings: &Settings) -> VolumeMap {
+pub fn map_of(solid: &Solid, resolution: u32, settings: &MapSettings) -> VolumeMap {
     let (plan, maps) = compute(solid, resolution, settings);
     VolumeMap::from_asset(&asset_of(&plan, settings, maps)).unwrap()
 }

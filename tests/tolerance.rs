@@ -2,7 +2,7 @@
 
 use volmap_bake::bake::{Bake, BakeSettings, bake};
 use volmap_bake::input::{InputSettings, load};
-use volmap_bake::plan::{GridChoice, Settings};
+use volmap_bake::plan::{GridChoice, MapSettings};
 use volmap_bake::sdf::{MeshDistance, SignMethod};
 use volmap_bake::volume_map::extension::extension;
 use volmap_bake::volume_map::quadrature::Rule;
@@ -15,7 +15,7 @@ fn baked(mesh: &str, scale: f64, invert: bool, grid: GridChoice) -> Bake {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(mesh);
     let placement = Placement { scale: [scale; 3], ..Placement::default() };
     let input = load(&path, &InputSettings { placement, ..InputSettings::default() }).unwrap();
-    let map = Settings { support_radius: Some(0.1), grid, invert, ..Settings::default() };
+    let map = MapSettings { support_radius: Some(0.1), grid, invert, ..MapSettings::default() };
     bake(input, &BakeSettings { map, ..BakeSettings::default() }, &Watch::default()).unwrap()
 }
 

@@ -1,7 +1,7 @@
 //! The fast integral against the plain one, and the band against its definition.
 
 use volmap_bake::maps::compute_maps;
-use volmap_bake::plan::{GridChoice, Settings, plan};
+use volmap_bake::plan::{GridChoice, MapSettings, plan};
 use volmap_bake::rows::positions;
 use volmap_bake::sdf::field::DistanceField;
 use volmap_bake::volume_map::oracle;
@@ -40,7 +40,7 @@ fn lattice_is_the_oracle_at_every_node() {
         [(&SPHERE, 9, false), (&TORUS, 14, false), (&NOTCHED, 11, false), (&CONTAINER, 8, true)]
     {
         for rule in [Rule::GaussLegendre(30), Rule::Ball(6), Rule::GaussLegendre(5)] {
-            let settings = Settings { support_radius: Some(0.1), rule, invert, ..Settings::default() };
+            let settings = MapSettings { support_radius: Some(0.1), rule, invert, ..MapSettings::default() };
             let (plan, maps) = compute(solid, resolution, &settings);
             let exterior = if invert { Exterior::Solid } else { Exterior::Fluid };
             let phi = |x: DVec3| (solid.phi)(x);
@@ -59,7 +59,7 @@ fn lattice_is_the_oracle_at_every_node() {
 
 #[test]
 fn band_holds_every_cell_with_a_point_within_two_radii() {
-    let settings = Settings { support_radius: Some(0.08), rule: Rule::Ball(2), ..Settings::default() };
+    let settings = MapSettings { support_radius: Some(0.08), rule: Rule::Ball(2), ..MapSettings::default() };
     for solid in [&SPHERE, &TORUS, &NOTCHED] {
         let (plan, maps) = compute(solid, 24, &settings);
         let field = DistanceField::sample(plan.grid, &maps.cells, &maps.nodes, plan.exterior, &|x: DVec3| {
@@ -91,14 +91,14 @@ fn band_holds_every_cell_with_a_point_within_two_radii() {
 
 #[test]
 fn a_domain_that_cuts_the_band_changes_no_value() {
-    let settings = Settings {
+    let settings = MapSettings {
         support_radius: Some(0.1),
         grid: GridChoice::CellSize(0.05),
         rule: Rule::GaussLegendre(9),
-        ..Settings::default()
+        ..MapSettings::default()
     };
     let whole = plan(&NOTCHED.extent, &settings).unwrap();
-    let map = |settings: &Settings| {
+    let map = |settings: &MapSettings| {
         let plan = plan(&NOTCHED.extent, settings).unwrap();
         let maps = compute_maps(&plan, settings.rule, &NOTCHED.phi, &Watch::default()).unwrap();
         (plan.clone(), VolumeMap::from_asset(&asset_of(&plan, settings, maps)).unwrap())
@@ -108,7 +108,7 @@ fn a_domain_that_cuts_the_band_changes_no_value() {
     let low = whole.grid.cell_corner([6, 4, 5].into());
     let high = whole.grid.cell_corner([17, 12, 9].into());
     let (cut_plan, cut) =
-        map(&Settings { domain: Some([low.to_array(), high.to_array()]), ..settings.clone() });
+        map(&MapSettings { domain: Some([low.to_array(), high.to_array()]), ..settings.clone() });
     assert!(cut_plan.cut[0].iter().all(|&c| c > 0.0) && cut_plan.margin.min_element() >= 2);
     let mut random = Random::from_state(23);
     let mut near = 0;
@@ -124,7 +124,7 @@ fn a_domain_that_cuts_the_band_changes_no_value() {
 #[test]
 fn values_at_the_ends_are_nothing_and_the_rules_ball() {
     for rule in [Rule::GaussLegendre(30), Rule::Ball(6)] {
-        let settings = Settings { support_radius: Some(0.1), rule, ..Settings::default() };
+        let settings = MapSettings { support_radius: Some(0.1), rule, ..MapSettings::default() };
         let (plan, maps) = compute(&SPHERE, 20, &settings);
         let ball = rule.ball_volume(0.1);
         for (phi, v) in maps.distance.iter().zip(&maps.volume) {
@@ -143,7 +143,7 @@ fn values_at_the_ends_are_nothing_and_the_rules_ball() {
 #[test]
 fn bits_of_gl30_never_change() {
     let rule = Rule::GaussLegendre(30);
-    let settings = Settings { support_radius: Some(0.1), rule, ..Settings::default() };
+    let settings = MapSettings { support_radius: Some(0.1), rule, ..MapSettings::default() };
     for (solid, expected) in [(&SPHERE, 0xc5d56db092b4839au64), (&NOTCHED, 0x9b9ddd66b6f41b5b)] {
         let (_, maps) = compute(solid, 12, &settings);
         // FNV-1a over the bits.

@@ -11,7 +11,7 @@ use volmap_bake::density_map::cost::{Cost, Costs, measure, paper_settings, unit_
 use volmap_bake::density_map::oracle::density;
 use volmap_bake::density_map::{DensitySettings, compute_density};
 use volmap_bake::maps::compute_maps;
-use volmap_bake::plan::{Extent, GridChoice, Settings, plan};
+use volmap_bake::plan::{Extent, GridChoice, MapSettings, plan};
 use volmap_bake::volume_map::quadrature::Rule;
 use volmap_bake::watch::Watch;
 use volmap_runtime::KernelKind;
@@ -103,7 +103,7 @@ fn jump(resolution: u32, rule: Rule) -> f64 {
     let all = paper_settings(resolution);
     let density = DensitySettings { rule, ..DensitySettings::default() };
     // A column of cells as large as those of the whole map.
-    let settings = Settings {
+    let settings = MapSettings {
         grid: GridChoice::CellSize(1.4 / f64::from(resolution)),
         domain: Some([[-0.1, -0.1, 0.35], [0.1, 0.1, 0.75]]),
         density: Some(density),

@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 use volmap_bake::maps::compute_maps;
-use volmap_bake::plan::{Extent, GridChoice, Settings, plan};
+use volmap_bake::plan::{Extent, GridChoice, MapSettings, plan};
 use volmap_bake::volume_map::extension::extension;
 use volmap_bake::volume_map::quadrature::{Point, Rule};
 use volmap_bake::watch::Watch;
@@ -32,7 +32,7 @@ fn cost(rule: Rule) -> f64 {
     let phi = |x: DVec3| x.length() - 0.5;
     let extent = Extent { min: DVec3::splat(-0.5), max: DVec3::splat(0.5), area: PI };
     let grid = GridChoice::CellSize(0.05);
-    let settings = Settings { support_radius: Some(0.1), grid, rule, ..Settings::default() };
+    let settings = MapSettings { support_radius: Some(0.1), grid, rule, ..MapSettings::default() };
     let plan = plan(&extent, &settings).expect("a plan");
     let run = || {
         // The volume is the last step.

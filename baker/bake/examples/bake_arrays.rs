@@ -5,7 +5,7 @@
 use std::error::Error;
 use volmap_bake::bake::{BakeSettings, bake};
 use volmap_bake::input::{InputSettings, from_arrays};
-use volmap_bake::settings::{GridChoice, Settings};
+use volmap_bake::settings::{GridChoice, MapSettings};
 use volmap_bake::watch::Watch;
 use volmap_formats::asset::{self, Compression};
 
@@ -20,7 +20,8 @@ pub(crate) fn main() -> Result<(), Box<dyn Error>> {
     let input = from_arrays("octahedron", &VERTICES, &TRIANGLES, &InputSettings::default())?;
 
     // Particles of radius 2.5 cm have kernels of support radius 10 cm. What isn't said has its default.
-    let map = Settings { support_radius: Some(0.1), grid: GridChoice::CellSize(0.05), ..Settings::default() };
+    let map =
+        MapSettings { support_radius: Some(0.1), grid: GridChoice::CellSize(0.05), ..MapSettings::default() };
     let baked = bake(input, &BakeSettings { map, ..BakeSettings::default() }, &Watch::default())?;
     println!("{}", baked.summary);
 

@@ -7,7 +7,7 @@ use std::error::Error;
 use std::f64::consts::{PI, TAU};
 use volmap_bake::bake::bake_distance;
 use volmap_bake::plan::Extent;
-use volmap_bake::settings::{GridChoice, Settings};
+use volmap_bake::settings::{GridChoice, MapSettings};
 use volmap_bake::watch::Watch;
 use volmap_formats::asset::Asset;
 use volmap_runtime::VolumeMap;
@@ -29,7 +29,7 @@ fn gyroid_ball(x: DVec3) -> f64 {
 
 fn bake(phi: impl Fn(DVec3) -> f64 + Sync, extent: Extent) -> Result<Asset, Box<dyn Error>> {
     let settings =
-        Settings { support_radius: Some(0.1), grid: GridChoice::CellSize(0.05), ..Settings::default() };
+        MapSettings { support_radius: Some(0.1), grid: GridChoice::CellSize(0.05), ..MapSettings::default() };
     Ok(bake_distance(&phi, &extent, &settings, &Watch::default())?)
 }
 

@@ -10,7 +10,7 @@ use std::time::Duration;
 use volmap_bake::Error as BakeError;
 use volmap_bake::bake::bake_distance;
 use volmap_bake::plan::Extent;
-use volmap_bake::settings::{GridChoice, Settings};
+use volmap_bake::settings::{GridChoice, MapSettings};
 use volmap_bake::watch::{Step, Watch};
 
 pub(crate) fn main() -> Result<(), Box<dyn Error>> {
@@ -23,7 +23,7 @@ pub(crate) fn main() -> Result<(), Box<dyn Error>> {
         let sphere = |x: DVec3| x.length() - 1.0;
         let extent = Extent { min: DVec3::splat(-1.0), max: DVec3::splat(1.0), area: 12.6 };
         let grid = GridChoice::CellSize(0.02);
-        let settings = Settings { support_radius: Some(0.04), grid, ..Settings::default() };
+        let settings = MapSettings { support_radius: Some(0.04), grid, ..MapSettings::default() };
         bake_distance(&sphere, &extent, &settings, &watch)
     });
 

@@ -199,7 +199,7 @@ fn density_field(
 fn grid(bounds: [DVec2; 2], settings: &AreaSettings) -> Result<(Grid, f64), Error> {
     let [min, max] = bounds.map(|corner| corner.extend(0.0));
     let in_space =
-        settings::Settings { support_radius: settings.support_radius, ..settings::Settings::default() };
+        settings::MapSettings { support_radius: settings.support_radius, ..settings::MapSettings::default() };
     let radius = plan::support_radius(&Extent { min, max, area: 0.0 }, &in_space)?;
     let reach = 2.0 * radius + settings.thickness.abs() + settings.padding;
     if !(reach.is_finite() && settings.padding >= 0.0) {

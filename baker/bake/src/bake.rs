@@ -26,7 +26,7 @@ use crate::rows::positions;
 use crate::sdf::{
     BoundaryDistance, ChangedDistance, MeshDistance, SignComparison, SignedDistance, compare_signs,
 };
-use crate::settings::{GridChoice, Settings};
+use crate::settings::{GridChoice, MapSettings};
 use crate::stage::Stage;
 use crate::storage::{field_bytes, stored_asset};
 pub use crate::summary::{CellCounts, Rounding, Summary};
@@ -222,7 +222,7 @@ fn compare_at_nodes(
 pub fn bake_distance(
     phi: &impl SignedDistance,
     extent: &Extent,
-    settings: &Settings,
+    settings: &MapSettings,
     watch: &Watch,
 ) -> Result<Asset, Error> {
     if let GridChoice::Tolerance(_) = settings.grid {

@@ -6,14 +6,14 @@
 //! ```
 //! use volmap_bake::bake::{BakeSettings, bake};
 //! use volmap_bake::input::{InputSettings, from_arrays};
-//! use volmap_bake::settings::{GridChoice, Settings};
+//! use volmap_bake::settings::{GridChoice, MapSettings};
 //! use volmap_bake::watch::Watch;
 //!
 //! let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 //! let faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
 //! let input = from_arrays("tetrahedron", &corners, &faces, &InputSettings::default())?;
 //!
-//! let map = Settings { support_radius: Some(0.2), grid: GridChoice::CellSize(0.2), ..Settings::default() };
+//! let map = MapSettings { support_radius: Some(0.2), grid: GridChoice::CellSize(0.2), ..MapSettings::default() };
 //! let baked = bake(input, &BakeSettings { map, ..BakeSettings::default() }, &Watch::default())?;
 //! assert!(baked.summary.diagnosis.closed);
 //! assert_eq!(baked.asset.volume.len(), baked.summary.nodes);
@@ -27,14 +27,14 @@
 //! ```
 //! use volmap_bake::bake::bake_distance;
 //! use volmap_bake::plan::Extent;
-//! use volmap_bake::settings::{GridChoice, Settings};
+//! use volmap_bake::settings::{GridChoice, MapSettings};
 //! use volmap_bake::watch::Watch;
 //! use volmap_runtime::{DVec3, VolumeMap};
 //!
 //! let sphere = |x: DVec3| x.length() - 0.3;
 //! let extent = Extent { min: DVec3::splat(-0.3), max: DVec3::splat(0.3), area: 1.13 };
 //! let settings =
-//!     Settings { support_radius: Some(0.1), grid: GridChoice::CellSize(0.1), ..Settings::default() };
+//!     MapSettings { support_radius: Some(0.1), grid: GridChoice::CellSize(0.1), ..MapSettings::default() };
 //! let asset = bake_distance(&sphere, &extent, &settings, &Watch::default())?;
 //!
 //! let map = VolumeMap::from_asset(&asset)?;
@@ -53,7 +53,7 @@
 //!
 //! - The same input and settings give the same bits, whatever the number of threads and whoever watches.
 //! - The cells that are stored hold every point with |Phi| <= 2 r.
-//! - Memory is estimated before it is taken; a bake over [`settings::Settings::max_memory`] is refused.
+//! - Memory is estimated before it is taken; a bake over [`settings::MapSettings::max_memory`] is refused.
 //! - Input is checked: a mesh or a setting that can't be used is an error with the cure, not a panic.
 //!
 //! # What is not

@@ -1,7 +1,7 @@
 //! From settings to a grid: support radius, domain, cells, and what the bake will cost, before any of it is done.
 
 use crate::error::Error;
-pub use crate::settings::{GridChoice, Precision, Settings};
+pub use crate::settings::{GridChoice, MapSettings, Precision};
 use crate::volume_map::lattice::MAX_REACH;
 use glam::{DVec3, UVec3};
 use std::f64::consts::PI;
@@ -70,7 +70,7 @@ const BYTES_PER_ROW: u64 = 48;
 ///
 /// # Errors
 /// Settings that contradict each other or the surface, or a bake over the memory limit.
-pub fn plan(extent: &Extent, settings: &Settings) -> Result<Plan, Error> {
+pub fn plan(extent: &Extent, settings: &MapSettings) -> Result<Plan, Error> {
     let support_radius = support_radius(extent, settings)?;
     let band_width = 2.0 * support_radius;
     let reach = band_width + finite("thickness", settings.thickness)?.abs();
@@ -136,7 +136,7 @@ fn finite(parameter: &'static str, value: f64) -> Result<f64, Error> {
 }
 
 /// The support radius as given, or by default, metres.
-pub(crate) fn support_radius(extent: &Extent, settings: &Settings) -> Result<f64, Error> {
+pub(crate) fn support_radius(extent: &Extent, settings: &MapSettings) -> Result<f64, Error> {
     let diagonal = (extent.max - extent.min).length();
     let radius = settings.support_radius.unwrap_or_else(|| rounded(diagonal / 20.0));
     if !(radius > 0.0 && radius.is_finite()) {
@@ -162,7 +162,7 @@ fn rounded(length: f64) -> f64 {
     step.unwrap_or(1.0) * power
 }
 
-fn domain(needed: [DVec3; 2], settings: &Settings) -> Result<[DVec3; 2], Error> {
+fn domain(needed: [DVec3; 2], settings: &MapSettings) -> Result<[DVec3; 2], Error> {
     let padding = finite("padding", settings.padding)?;
     if padding < 0.0 {
         return Err(Error::setting("padding", "is negative; use `domain` for a smaller domain"));
@@ -175,7 +175,7 @@ fn domain(needed: [DVec3; 2], settings: &Settings) -> Result<[DVec3; 2], Error> 
     Ok([low - padding, high + padding])
 }
 
-fn grid(low: DVec3, high: DVec3, support_radius: f64, settings: &Settings) -> Result<Grid, Error> {
+fn grid(low: DVec3, high: DVec3, support_radius: f64, settings: &MapSettings) -> Result<Grid, Error> {
     let extent = high - low;
     let (parameter, edge) = match settings.grid {
         GridChoice::FromRadius | GridChoice::Tolerance(_) => ("support_radius", 0.5 * support_radius),
@@ -222,7 +222,7 @@ fn check_reach(grid: &Grid, support_radius: f64) -> Result<(), Error> {
 }
 
 /// Told before the work: the values at the far corners of the band's cells need too many steps.
-fn check_rounding(grid: &Grid, support_radius: f64, settings: &Settings) -> Result<(), Error> {
+fn check_rounding(grid: &Grid, support_radius: f64, settings: &MapSettings) -> Result<(), Error> {
     let Precision::Rounded(fraction) = settings.precision else { return Ok(()) };
     let farthest = 2.0 * support_radius + grid.cell_size.length();
     let density = settings.density.map(|density| density.largest(farthest, support_radius));
@@ -246,7 +246,7 @@ fn check_resolution(parameter: &'static str, before: &str, cells: DVec3) -> Resu
     Err(Error::setting(parameter, format!("{before}{} x {} x {} cells: {reason}", cells.x, cells.y, cells.z)))
 }
 
-fn estimate(extent: &Extent, grid: &Grid, margin: UVec3, width: f64, settings: &Settings) -> Estimate {
+fn estimate(extent: &Extent, grid: &Grid, margin: UVec3, width: f64, settings: &MapSettings) -> Estimate {
     let cell_volume = grid.cell_size.element_product();
     let resolution = grid.resolution + 2 * margin;
     // The band is a slab of the surface's area, with half a cell's diagonal more on each side, and round rims.

@@ -2,7 +2,7 @@
 
 use crate::input::InputSettings;
 use crate::sdf::sign::SignMethod;
-use crate::settings::Settings;
+use crate::settings::MapSettings;
 use volmap_formats::asset::Compression;
 
 /// What an asset depends on beside the mesh's file. Made by [`crate::parameters::Parameters::recipe`], or by hand.
@@ -20,7 +20,7 @@ pub struct Recipe {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BakeSettings {
     /// Grid, field and rule.
-    pub map: Settings,
+    pub map: MapSettings,
     /// How inside and outside are told apart.
     pub sign: SignMethod,
     /// Leave the triangles' orientation as it comes.

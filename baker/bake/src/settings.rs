@@ -46,7 +46,7 @@ impl Precision {
 
 /// What a map depends on beside the surface.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Settings {
+pub struct MapSettings {
     /// Support radius r, metres; by default a twentieth of the box's diagonal, rounded to 1, 2 or 5 times a power
     /// of ten.
     pub support_radius: Option<f64>,
@@ -70,9 +70,9 @@ pub struct Settings {
     pub max_memory: u64,
 }
 
-impl Default for Settings {
+impl Default for MapSettings {
     fn default() -> Self {
-        Settings {
+        MapSettings {
             support_radius: None,
             grid: GridChoice::default(),
             domain: None,

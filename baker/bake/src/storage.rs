@@ -3,13 +3,13 @@
 use crate::error::Error;
 use crate::maps::Maps;
 use crate::plan::Plan;
-use crate::settings::{Precision, Settings};
+use crate::settings::{MapSettings, Precision};
 use crate::summary::Rounding;
 use crate::volume_map::quadrature::Rule;
 use volmap_formats::asset::{Array, Asset, Attributes, Dimension, QuadratureSpec, Rounded};
 
 /// Bytes of all fields if every cell of the grid were stored, and for the band alone.
-pub(crate) fn field_bytes(plan: &Plan, maps: &Maps, settings: &Settings) -> [u64; 2] {
+pub(crate) fn field_bytes(plan: &Plan, maps: &Maps, settings: &MapSettings) -> [u64; 2] {
     let [x, y, z] = plan.grid.resolution.to_array().map(u64::from);
     let corners = (x + 1) * (y + 1) * (z + 1);
     let edges = x * (y + 1) * (z + 1) + (x + 1) * y * (z + 1) + (x + 1) * (y + 1) * z;
@@ -21,7 +21,7 @@ pub(crate) fn field_bytes(plan: &Plan, maps: &Maps, settings: &Settings) -> [u64
 pub(crate) fn stored_asset(
     maps: Maps,
     plan: &Plan,
-    settings: &Settings,
+    settings: &MapSettings,
 ) -> Result<(Asset, Option<Rounding>), Error> {
     let r = plan.support_radius;
     let quadrature = quadrature(settings.rule, r);

@@ -9,7 +9,7 @@ use crate::maps::{Maps, compute_maps};
 use crate::plan::{Extent, Plan, plan, support_radius};
 use crate::random::Random;
 use crate::sdf::{Neighbours, SignedDistance};
-use crate::settings::{GridChoice, Precision, Settings};
+use crate::settings::{GridChoice, MapSettings, Precision};
 use crate::stage::Stage;
 use crate::volume_map::oracle;
 use crate::volume_map::quadrature::{Point, Rule, along_curve};
@@ -80,7 +80,7 @@ pub struct Problem<'a, D> {
 /// A tolerance that the rule or the memory can't reach; otherwise as [`plan`] and [`compute_maps`].
 pub fn search<D: SignedDistance>(
     problem: &Problem<D>,
-    settings: &Settings,
+    settings: &MapSettings,
     tolerance: f64,
     watch: &Watch,
 ) -> Result<(Plan, Maps, Found), Error> {
@@ -96,7 +96,7 @@ pub fn search<D: SignedDistance>(
     Ok((plan, maps, Found { tolerance, cell_size, error, tried, reference: reference.rule }))
 }
 
-fn check_rounding(settings: &Settings, tolerance: f64) -> Result<(), Error> {
+fn check_rounding(settings: &MapSettings, tolerance: f64) -> Result<(), Error> {
     match settings.precision {
         Precision::Rounded(part) if part >= tolerance => {
             let reason = format!(
@@ -110,15 +110,15 @@ fn check_rounding(settings: &Settings, tolerance: f64) -> Result<(), Error> {
 }
 
 /// The plan with cubes of this edge, metres.
-fn with_cells<D>(problem: &Problem<D>, settings: &Settings, edge: f64) -> Result<Plan, Error> {
-    let settings = Settings { grid: GridChoice::CellSize(edge), ..settings.clone() };
+fn with_cells<D>(problem: &Problem<D>, settings: &MapSettings, edge: f64) -> Result<Plan, Error> {
+    let settings = MapSettings { grid: GridChoice::CellSize(edge), ..settings.clone() };
     plan(problem.extent, &settings)
 }
 
 /// All that tries share.
 struct Tries<'a, D> {
     problem: &'a Problem<'a, D>,
-    settings: &'a Settings,
+    settings: &'a MapSettings,
     tolerance: f64,
     reference: &'a Reference,
     watch: &'a Watch,
@@ -213,7 +213,7 @@ struct Reference {
 impl Reference {
     fn new<D: SignedDistance>(
         problem: &Problem<D>,
-        settings: &Settings,
+        settings: &MapSettings,
         plan: &Plan,
         tolerance: f64,
         work: &Work,
@@ -253,7 +253,7 @@ impl Reference {
     }
 
     /// Of the map as it will be stored.
-    fn error(&self, plan: &Plan, maps: &Maps, settings: &Settings) -> Result<MeasuredError, Error> {
+    fn error(&self, plan: &Plan, maps: &Maps, settings: &MapSettings) -> Result<MeasuredError, Error> {
         let ball = settings.rule.ball_volume(self.radius);
         let volume = match settings.precision {
             Precision::Rounded(part) => {
@@ -309,7 +309,7 @@ fn integrals(
 }
 
 /// Points with 0 < Phi < 2 r, in any direction from points spread over the surface by area.
-fn fluid_points<D: SignedDistance>(problem: &Problem<D>, settings: &Settings, plan: &Plan) -> Vec<DVec3> {
+fn fluid_points<D: SignedDistance>(problem: &Problem<D>, settings: &MapSettings, plan: &Plan) -> Vec<DVec3> {
     let reach = plan.band_width + settings.thickness.abs();
     let mut surroundings = Surroundings::new(problem.mesh);
     let candidates: Vec<DVec3> = (0..TRIES * POINTS).map(|_| surroundings.point(reach)).collect();

@@ -4,7 +4,7 @@ use volmap_bake::bake::{BakeSettings, bake};
 use volmap_bake::content_key::ALGORITHM_VERSION;
 use volmap_bake::density_map::DensitySettings;
 use volmap_bake::input::{InputSettings, from_bytes};
-use volmap_bake::plan::Settings;
+use volmap_bake::plan::MapSettings;
 use volmap_bake::watch::Watch;
 
 /// Version, and BLAKE3 of the values to a hundred-thousandth of their unit.
@@ -14,10 +14,10 @@ const PINNED: (u32, &str) = (1, "d717f08187a98c5d1b22eb098713290595baca76ec5c6c5
 fn values_are_those_of_the_version() {
     let mesh = include_bytes!("data/notched.obj");
     let input = from_bytes("notched.obj".as_ref(), &mesh[..], &InputSettings::default()).unwrap();
-    let map = Settings {
+    let map = MapSettings {
         support_radius: Some(0.25),
         density: Some(DensitySettings::default()),
-        ..Settings::default()
+        ..MapSettings::default()
     };
     let settings = BakeSettings { map, ..BakeSettings::default() };
     let asset = bake(input, &settings, &Watch::default()).unwrap().asset;

@@ -11,7 +11,7 @@ use volmap_bake::density_map::DensitySettings;
 use volmap_bake::input::{Input, InputSettings, from_bytes};
 use volmap_bake::iso_surface::iso_surface;
 use volmap_bake::plan::Extent;
-use volmap_bake::settings::{GridChoice, Settings};
+use volmap_bake::settings::{GridChoice, MapSettings};
 use volmap_bake::watch::{Cancel, Watch};
 use volmap_runtime::VolumeMap;
 
@@ -52,11 +52,11 @@ fn notched() -> Input {
 
 #[test]
 fn bakes_end_at_any_step() {
-    let map = Settings {
+    let map = MapSettings {
         support_radius: Some(0.4),
         grid: GridChoice::CellSize(0.4),
         density: Some(DensitySettings::default()),
-        ..Settings::default()
+        ..MapSettings::default()
     };
     let settings = BakeSettings { map, check_sign: true, ..BakeSettings::default() };
     let steps = [
@@ -75,7 +75,8 @@ fn bakes_end_at_any_step() {
 
 #[test]
 fn searches_end_at_any_step() {
-    let map = Settings { support_radius: Some(0.4), grid: GridChoice::Tolerance(0.2), ..Settings::default() };
+    let map =
+        MapSettings { support_radius: Some(0.4), grid: GridChoice::Tolerance(0.2), ..MapSettings::default() };
     let settings = BakeSettings { map, ..BakeSettings::default() };
     let one_try = ["finding the band", "sampling the distance", "integrating the volume"];
     let before = ["examining the mesh", "building the tree", "measuring the exact volume"];
@@ -105,9 +106,9 @@ fn bakes_in_the_plane_end_at_any_step() {
     });
 }
 
-fn sphere() -> (Extent, Settings) {
+fn sphere() -> (Extent, MapSettings) {
     let settings =
-        Settings { support_radius: Some(0.1), grid: GridChoice::CellSize(0.05), ..Settings::default() };
+        MapSettings { support_radius: Some(0.1), grid: GridChoice::CellSize(0.05), ..MapSettings::default() };
     (Extent { min: DVec3::splat(-0.5), max: DVec3::splat(0.5), area: 3.2 }, settings)
 }
 

@@ -255,7 +255,7 @@ mod tests {
     use volmap_bake::area_map::{self, AreaSettings};
     use volmap_bake::bake::{BakeSettings, bake};
     use volmap_bake::input::{InputSettings, from_bytes};
-    use volmap_bake::plan::{GridChoice, Settings};
+    use volmap_bake::plan::{GridChoice, MapSettings};
     use volmap_bake::volume_map::quadrature::Rule;
     use volmap_bake::watch::Watch;
     use volmap_formats::asset::{Array, Asset};
@@ -269,12 +269,12 @@ mod tests {
 
     fn cube_asset(invert: bool) -> Asset {
         let input = from_bytes(Path::new("cube.obj"), CUBE, &InputSettings::default()).unwrap();
-        let map = Settings {
+        let map = MapSettings {
             support_radius: Some(0.1),
             grid: GridChoice::CellSize(0.05),
             rule: Rule::Chord(8),
             invert,
-            ..Settings::default()
+            ..MapSettings::default()
         };
         let settings = BakeSettings { map, ..BakeSettings::default() };
         bake(input, &settings, &Watch::default()).unwrap().asset

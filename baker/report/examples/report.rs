@@ -8,7 +8,7 @@ use std::fmt::Write;
 use std::path::Path;
 use volmap_bake::bake::{BakeSettings, bake};
 use volmap_bake::input::{Input, InputSettings, from_bytes};
-use volmap_bake::plan::{GridChoice, Settings as MapSettings};
+use volmap_bake::plan::{GridChoice, MapSettings};
 use volmap_bake::watch::Watch;
 use volmap_report::report::{ReportSettings, report};
 

@@ -17,7 +17,7 @@ use plane::PlaneSettings;
 use volmap_bake::bake::{Bake, BakeSettings, bake};
 use volmap_bake::density_map::cost::unit_cube;
 use volmap_bake::input::{Input, InputSettings, from_arrays};
-use volmap_bake::settings::Settings as MapSettings;
+use volmap_bake::settings::MapSettings;
 use volmap_bake::watch::Watch;
 use volmap_formats::mesh::TriangleMesh;
 

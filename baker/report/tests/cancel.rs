@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex};
 use volmap_bake::bake::{BakeSettings, bake};
 use volmap_bake::density_map::DensitySettings;
 use volmap_bake::input::{Input, InputSettings, from_bytes};
-use volmap_bake::settings::{GridChoice, Settings};
+use volmap_bake::settings::{GridChoice, MapSettings};
 use volmap_bake::watch::{Cancel, Watch};
 use volmap_figures::picture::{Axis, Plane};
 use volmap_formats::asset::Asset;
@@ -27,11 +27,11 @@ fn cube() -> Input {
 }
 
 fn asset() -> Asset {
-    let map = Settings {
+    let map = MapSettings {
         support_radius: Some(0.2),
         grid: GridChoice::CellSize(0.2),
         density: Some(DensitySettings::default()),
-        ..Settings::default()
+        ..MapSettings::default()
     };
     bake(cube(), &BakeSettings { map, ..BakeSettings::default() }, &Watch::default()).unwrap().asset
 }

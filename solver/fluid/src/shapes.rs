@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use volmap_bake::bake::{Bake, BakeSettings, bake};
 use volmap_bake::input::{Input, Source};
-use volmap_bake::plan::{GridChoice, Settings};
+use volmap_bake::plan::{GridChoice, MapSettings};
 use volmap_formats::mesh::{CleanReport, Placement, TriangleMesh};
 use volmap_runtime::{ClosureKind, DVec3, Pose, VolumeMap};
 
@@ -52,11 +52,11 @@ pub fn baked_finely(
     cell_size: f64,
     container: bool,
 ) -> Result<Shape, Error> {
-    let map = Settings {
+    let map = MapSettings {
         support_radius: Some(support_radius),
         grid: GridChoice::CellSize(cell_size),
         invert: container,
-        ..Settings::default()
+        ..MapSettings::default()
     };
     baked_by(mesh, map)
 }
@@ -65,7 +65,7 @@ pub fn baked_finely(
 ///
 /// # Errors
 /// As [`bake`].
-pub fn baked_by(mesh: TriangleMesh, map: Settings) -> Result<Shape, Error> {
+pub fn baked_by(mesh: TriangleMesh, map: MapSettings) -> Result<Shape, Error> {
     let asset = bake_made(mesh.clone(), map)?.asset;
     Ok(Shape { mesh: Arc::new(mesh), map: Arc::new(VolumeMap::from_asset(&asset)?) })
 }
@@ -74,7 +74,7 @@ pub fn baked_by(mesh: TriangleMesh, map: Settings) -> Result<Shape, Error> {
 ///
 /// # Errors
 /// As [`bake`].
-pub fn bake_made(mesh: TriangleMesh, map: Settings) -> Result<Bake, Error> {
+pub fn bake_made(mesh: TriangleMesh, map: MapSettings) -> Result<Bake, Error> {
     let input = Input {
         mesh,
         source: Source { file: "made".into(), format: "none".into(), blake3: String::new() },

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::sync::{Arc, LazyLock};
 use volmap_bake::bake::{BakeSettings, bake};
 use volmap_bake::input::{self, Input, InputSettings, Source};
-use volmap_bake::plan::{GridChoice, Settings};
+use volmap_bake::plan::{GridChoice, MapSettings};
 use volmap_fluid::Error;
 use volmap_fluid::bodies::{
     Bodies, BodyDescription, ContactMaterial, FluidContact, FreeBody, Interpolation, Key, Keys, Mass, Motion,
@@ -44,11 +44,11 @@ fn thing(mesh: &TriangleMesh, invert: bool, resolution: [u32; 3]) -> Thing {
         placement: Placement::default(),
         weld_tolerance: 0.0,
     };
-    let map = Settings {
+    let map = MapSettings {
         support_radius: Some(0.1),
         grid: GridChoice::Resolution(resolution),
         invert,
-        ..Settings::default()
+        ..MapSettings::default()
     };
     let settings = BakeSettings { map, ..BakeSettings::default() };
     let asset = bake(input, &settings, &Default::default()).unwrap().asset;

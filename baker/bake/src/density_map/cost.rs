@@ -11,7 +11,7 @@ use crate::maps::compute_maps;
 use crate::mesh::{Prepared, prepare};
 use crate::plan::{Extent, plan};
 use crate::sdf::{BoundaryDistance, MeshDistance, SignMethod};
-use crate::settings::{GridChoice, Settings};
+use crate::settings::{GridChoice, MapSettings};
 use crate::stage::Stage;
 use crate::volume_map::quadrature::Rule;
 use crate::watch::Watch;
@@ -39,14 +39,14 @@ pub struct Costs {
 
 /// The settings of the paper's comparison: the volume by 4,096 points, the density by 17,576, before those outside
 /// the ball are left out.
-pub fn paper_settings(resolution: u32) -> Settings {
+pub fn paper_settings(resolution: u32) -> MapSettings {
     let density = DensitySettings { rule: Rule::GaussLegendre(50), ..DensitySettings::default() };
-    Settings {
+    MapSettings {
         support_radius: Some(0.1),
         grid: GridChoice::Resolution([resolution; 3]),
         rule: Rule::GaussLegendre(30),
         density: Some(density),
-        ..Settings::default()
+        ..MapSettings::default()
     }
 }
 
@@ -62,7 +62,7 @@ pub fn unit_cube() -> TriangleMesh {
 ///
 /// # Errors
 /// As [`plan`] and [`compute_maps`]; cancelled; no density in the settings.
-pub fn measure(mesh: &TriangleMesh, settings: &Settings, watch: &Watch) -> Result<Costs, Error> {
+pub fn measure(mesh: &TriangleMesh, settings: &MapSettings, watch: &Watch) -> Result<Costs, Error> {
     let no_density = || Error::setting("density", "is needed for its cost");
     let density = settings.density.as_ref().ok_or_else(no_density)?;
     let mut mesh = mesh.clone();
@@ -113,12 +113,12 @@ mod tests {
 
     #[test]
     fn both_kinds_are_computed_on_the_unit_cube() {
-        let settings = Settings { rule: Rule::Chord(4), ..paper_settings(10) };
+        let settings = MapSettings { rule: Rule::Chord(4), ..paper_settings(10) };
         let costs = measure(&unit_cube(), &settings, &Watch::default()).unwrap();
         assert_eq!(costs.volume.bytes, costs.density.bytes);
         assert!(costs.volume.bytes > 0 && costs.volume.bytes < costs.volume.paper_bytes);
         let error =
-            measure(&unit_cube(), &Settings { density: None, ..settings }, &Watch::default()).unwrap_err();
+            measure(&unit_cube(), &MapSettings { density: None, ..settings }, &Watch::default()).unwrap_err();
         assert!(error.to_string().contains("density"), "{error}");
     }
 }

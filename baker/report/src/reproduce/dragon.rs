@@ -9,7 +9,7 @@ use crate::error::Error;
 use crate::experiments::Outcome;
 use volmap_bake::density_map::cost::paper_bytes;
 use volmap_bake::input::Input;
-use volmap_bake::plan::{GridChoice, Settings as MapSettings};
+use volmap_bake::plan::{GridChoice, MapSettings};
 use volmap_bake::watch::Watch;
 
 /// What is measured.

@@ -12,7 +12,7 @@ use crate::report::volume_error::{Measuring, VolumeSample, measure as measure_po
 use glam::DVec3;
 use std::path::Path;
 use volmap_bake::input::{Input, InputSettings, from_bytes};
-use volmap_bake::plan::{GridChoice, Settings as MapSettings};
+use volmap_bake::plan::{GridChoice, MapSettings};
 use volmap_bake::volume_map::quadrature::Rule;
 use volmap_bake::watch::Watch;
 use volmap_formats::asset::Asset;

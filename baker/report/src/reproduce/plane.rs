@@ -11,7 +11,7 @@ use crate::experiments::Outcome;
 use crate::report::shape::{Shape, ShapeKind};
 use glam::DVec3;
 use std::f64::consts::PI;
-use volmap_bake::plan::{GridChoice, Settings as MapSettings};
+use volmap_bake::plan::{GridChoice, MapSettings};
 use volmap_bake::volume_map::quadrature::Rule;
 use volmap_bake::watch::Watch;
 use volmap_formats::text::number;

@@ -3,7 +3,7 @@
 use crate::validation::Run;
 use crate::validation::flow::GRAVITY;
 use volmap_bake::density_map::DensitySettings;
-use volmap_bake::plan::{GridChoice, Settings};
+use volmap_bake::plan::{GridChoice, MapSettings};
 use volmap_fluid::Error;
 use volmap_fluid::bodies::{Bodies, BodyDescription};
 use volmap_fluid::boundary::{Boundary, Wall, density_map};
@@ -101,15 +101,15 @@ impl Method {
     }
 
     /// Settings with which scenes bake a body for the method.
-    pub fn baking(&self, support_radius: f64, container: bool) -> Settings {
+    pub fn baking(&self, support_radius: f64, container: bool) -> MapSettings {
         let closure = self.world(0.25 * support_radius).map_closure();
         let density = DensitySettings { extension: density_map::EXTENSION, ..DensitySettings::default() };
-        Settings {
+        MapSettings {
             support_radius: Some(closure.map_radius(support_radius)),
             grid: GridChoice::CellSize(closure.cell_size(support_radius)),
             invert: container,
             density: (self.boundary == BoundaryMethod::DensityMap).then_some(density),
-            ..Settings::default()
+            ..MapSettings::default()
         }
     }
 
