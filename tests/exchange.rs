@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use volmap_bake::bake::{BakeSettings, bake};
 use volmap_bake::input::{InputSettings, load};
 use volmap_bake::iso_surface::lattice::LatticeChoice;
-use volmap_bake::iso_surface::{Surface, iso_surface};
+use volmap_bake::iso_surface::{IsoSurface, iso_surface};
 use volmap_bake::plan::{GridChoice, MapSettings, Precision};
 use volmap_bake::volume_map::quadrature::Rule;
 use volmap_bake::watch::Watch;
@@ -16,7 +16,7 @@ use volmap_formats::mesh::Placement;
 use volmap_report::export::discregrid::discregrid;
 use volmap_report::export::hexahedra::hexahedra;
 use volmap_report::export::image::image;
-use volmap_report::export::{ExportSettings, Field};
+use volmap_report::export::{ExportField, ExportSettings};
 use volmap_report::import::{Import, ImportSettings, from_grid, import};
 use volmap_runtime::{DVec3, Sample, VolumeMap};
 use volmap_tests::{Random, SPHERE, Solid, TORUS, asset_of, compute};
@@ -346,7 +346,7 @@ fn images_hold_the_values_everywhere() {
         }
     }
     assert!(regions.iter().all(|n| *n > 100), "{regions:?}");
-    let one = ExportSettings { field: Some(Field::Volume), ..Default::default() };
+    let one = ExportSettings { field: Some(ExportField::Volume), ..Default::default() };
     let names = volmap_report::export::image::image(&asset, &one, &Watch::default())
         .unwrap()
         .arrays
@@ -356,11 +356,15 @@ fn images_hold_the_values_everywhere() {
 }
 
 /// Edges that don't run once each way, and the volume.
-fn surface(asset: &Asset, iso: f64, lattice: Option<LatticeChoice>) -> Result<Surface, volmap_bake::Error> {
+fn surface(
+    asset: &Asset,
+    iso: f64,
+    lattice: Option<LatticeChoice>,
+) -> Result<IsoSurface, volmap_bake::Error> {
     iso_surface(&VolumeMap::from_asset(asset)?, iso, lattice, &Watch::default())
 }
 
-fn open_edges_and_volume(surface: &Surface) -> (usize, f64) {
+fn open_edges_and_volume(surface: &IsoSurface) -> (usize, f64) {
     let mut edges: HashMap<(u32, u32), i32> = HashMap::new();
     let mut volume = 0.0;
     for t in &surface.triangles {

@@ -21,7 +21,7 @@ fn image() -> Image {
         map_of(&SPHERE, 12, &plan::MapSettings { support_radius: Some(0.1), ..plan::MapSettings::default() });
     let settings = SliceSettings {
         plane: "z=0.1".parse().unwrap(),
-        field: volmap_report::slice::Field::Volume,
+        field: volmap_report::slice::SliceField::Volume,
         pixels: 200,
         contours: vec![0.001, 0.002],
     };

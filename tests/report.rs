@@ -2,7 +2,7 @@
 
 use std::path::Path;
 use volmap_bake::bake::{BakeSettings, bake};
-use volmap_bake::input::{Input, Source};
+use volmap_bake::input::{Input, MeshSource};
 use volmap_bake::plan::{GridChoice, MapSettings, Precision};
 use volmap_bake::watch::Watch;
 use volmap_formats::asset::{Array, Asset};
@@ -11,7 +11,7 @@ use volmap_report::report::findings::Findings;
 use volmap_report::report::model::{Model, Solid};
 use volmap_report::report::reference::Reference;
 use volmap_report::report::samples::band_points;
-use volmap_report::report::shape::Shape;
+use volmap_report::report::shape::ClosedForm;
 use volmap_report::report::thin::{spread, widths};
 use volmap_report::report::volume_error::{ErrorPart, Measuring, measure};
 use volmap_report::report::{Report, ReportSettings, report};
@@ -31,7 +31,7 @@ fn boxes(corners: &[[[f64; 3]; 2]]) -> Input {
             mesh.triangles.extend([[a, b, c], [a, c, d]].map(|t: [u32; 3]| t.map(|v| v + first)));
         }
     }
-    let source = Source { file: "boxes.obj".into(), format: "OBJ".into(), blake3: "0".repeat(64) };
+    let source = MeshSource { file: "boxes.obj".into(), format: "OBJ".into(), blake3: "0".repeat(64) };
     let cleaning = CleanReport::default();
     Input { mesh, source, cleaning, placement: Placement::default(), weld_tolerance: 0.0 }
 }
@@ -136,7 +136,7 @@ fn a_volume_that_is_wrong_by_a_known_part_is_found_and_fails() {
 #[test]
 fn a_closed_form_agrees_with_the_converged_rule_and_shows_the_grid() {
     let settings = MapSettings { support_radius: Some(0.2), ..MapSettings::default() };
-    let shape: Shape = "sphere:0,0,0,0.5".parse().unwrap();
+    let shape: ClosedForm = "sphere:0,0,0,0.5".parse().unwrap();
     let mut before = f64::INFINITY;
     for resolution in [8, 16, 32] {
         let (plan, maps) = compute(&SPHERE, resolution, &settings);

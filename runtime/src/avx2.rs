@@ -4,7 +4,7 @@
 //! is called only after the test for AVX2: so each instruction below is one that the processor has.
 #![allow(unsafe_code)]
 
-use crate::lanes::{LANES, Lanes, Work};
+use crate::lanes::{LANES, Lanes, Vectorized};
 use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Sub};
 
@@ -13,7 +13,7 @@ use std::ops::{Add, Div, Mul, Sub};
 pub(crate) struct Avx(__m256d);
 
 /// Does the work with [`Avx`], if this processor has AVX2; else gives it back.
-pub(crate) fn run<W: Work>(work: W) -> Option<W> {
+pub(crate) fn run<W: Vectorized>(work: W) -> Option<W> {
     if !is_x86_feature_detected!("avx2") {
         return Some(work);
     }
@@ -23,7 +23,7 @@ pub(crate) fn run<W: Work>(work: W) -> Option<W> {
 }
 
 #[target_feature(enable = "avx2")]
-fn with_avx2<W: Work>(work: W) {
+fn with_avx2<W: Vectorized>(work: W) {
     work.run::<Avx>();
 }
 

@@ -7,7 +7,7 @@
 use crate::avx2;
 use crate::element::{Cube, Cubes, Numbers, Rows, Shared, Weights, differences};
 use crate::grid::Grid;
-use crate::lanes::{LANES, Lanes, Plain, Work};
+use crate::lanes::{LANES, Lanes, Plain, Vectorized};
 use crate::layout::{Found, Place};
 use crate::map::VolumeMap;
 use crate::sample::{MapDensity, Sample, Surface, SurfaceWithGradient, Values};
@@ -196,7 +196,7 @@ struct All<'a, A> {
     out: &'a mut [A],
 }
 
-impl<A: Evaluate> Work for All<'_, A> {
+impl<A: Evaluate> Vectorized for All<'_, A> {
     #[inline(always)]
     fn run<V: Lanes>(self) {
         A::all::<V>(self.map, self.points, self.out);

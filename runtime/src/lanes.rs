@@ -30,7 +30,7 @@ pub(crate) trait Lanes:
 }
 
 /// What can be done with any [`Lanes`].
-pub(crate) trait Work {
+pub(crate) trait Vectorized {
     /// Must be inlined, to be compiled for the processor that has the lanes.
     fn run<V: Lanes>(self);
 }

@@ -30,7 +30,7 @@ use crate::settings::{GridChoice, MapSettings};
 use crate::stage::Stage;
 use crate::storage::{field_bytes, stored_asset};
 pub use crate::summary::{CellCounts, Rounding, Summary};
-use crate::tolerance::{Found, Problem, search};
+use crate::tolerance::{Found, SearchProblem, search};
 use crate::watch::Watch;
 use volmap_formats::asset::Asset;
 
@@ -148,7 +148,7 @@ impl PlannedBake {
         match &self.cells {
             Cells::Planned(plan) => Ok((plan.clone(), compute_maps(plan, map.rule, phi, watch)?, None)),
             Cells::Searched(tolerance) => {
-                let problem = Problem { mesh: &self.input.mesh, extent: &self.extent, phi };
+                let problem = SearchProblem { mesh: &self.input.mesh, extent: &self.extent, phi };
                 let (plan, maps, found) = search(&problem, map, *tolerance, watch)?;
                 Ok((plan, maps, Some(found)))
             }

@@ -25,7 +25,7 @@ pub struct Input {
     /// The mesh, in metres.
     pub mesh: TriangleMesh,
     /// Its file.
-    pub source: Source,
+    pub source: MeshSource,
     /// What cleaning did.
     pub cleaning: CleanReport,
     /// The placement with its unit.
@@ -36,7 +36,7 @@ pub struct Input {
 
 /// Where a mesh comes from.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Source {
+pub struct MeshSource {
     /// Name of the file, without folders.
     pub file: String,
     /// Format of the file.
@@ -65,7 +65,7 @@ pub fn from_bytes(
     let (raw, hash) = rayon::join(|| mesh::parse_mesh(path, bytes.as_ref()), || blake3::hash(bytes.as_ref()));
     drop(bytes);
     let raw = raw?;
-    let source = Source {
+    let source = MeshSource {
         file: path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
         format: raw.format.to_string(),
         blake3: hash.to_hex().to_string(),
@@ -90,8 +90,11 @@ pub fn from_arrays(
     let mut hasher = blake3::Hasher::new();
     vertices.iter().flatten().for_each(|x| _ = hasher.update(&x.to_le_bytes()));
     triangles.iter().flatten().for_each(|vertex| _ = hasher.update(&vertex.to_le_bytes()));
-    let source =
-        Source { file: name.into(), format: ARRAYS.into(), blake3: hasher.finalize().to_hex().to_string() };
+    let source = MeshSource {
+        file: name.into(),
+        format: ARRAYS.into(),
+        blake3: hasher.finalize().to_hex().to_string(),
+    };
     let raw = RawMesh {
         positions: vertices.to_vec(),
         faces,
@@ -106,7 +109,7 @@ pub fn from_arrays(
 /// The format of a mesh that comes from no file.
 const ARRAYS: &str = "arrays";
 
-fn cleaned(raw: RawMesh, source: Source, settings: &InputSettings) -> Result<Input, MeshError> {
+fn cleaned(raw: RawMesh, source: MeshSource, settings: &InputSettings) -> Result<Input, MeshError> {
     let unit = settings.unit.or(raw.unit).unwrap_or(1.0);
     let placement = Placement { unit, ..settings.placement };
     let clean_settings = CleanSettings { weld_tolerance: settings.weld_tolerance };

@@ -23,7 +23,7 @@ const SNAP: f64 = 1e-6;
 
 /// Triangles whose normals point away from the solid.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Surface {
+pub struct IsoSurface {
     /// Places, metres.
     pub vertices: Vec<[f64; 3]>,
     /// Corners of the triangles.
@@ -32,7 +32,7 @@ pub struct Surface {
     pub is_cut: bool,
 }
 
-impl fmt::Display for Surface {
+impl fmt::Display for IsoSurface {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let state = if self.is_cut { "open at the border of the map's domain" } else { "closed" };
         let [triangles, vertices] = [self.triangles.len(), self.vertices.len()].map(|n| thousands(n as u64));
@@ -49,7 +49,7 @@ pub fn iso_surface(
     iso: f64,
     choice: Option<LatticeChoice>,
     watch: &Watch,
-) -> Result<Surface, Error> {
+) -> Result<IsoSurface, Error> {
     let limit = 2.0 * map.support_radius();
     // Also false for NaN.
     if !(-limit < iso && iso < limit) {
@@ -146,7 +146,7 @@ fn inside_plane(map: &VolumeMap, iso: f64, lattice: &Lattice, k: usize) -> Vec<b
 }
 
 /// Places of the crossings; triangles that a point of the lattice has swallowed are left out.
-fn finish(map: &VolumeMap, iso: f64, crossings: &Crossings, found: &[[u32; 3]]) -> Surface {
+fn finish(map: &VolumeMap, iso: f64, crossings: &Crossings, found: &[[u32; 3]]) -> IsoSurface {
     let lattice = crossings.lattice;
     let ends = |&(at, mask): &([usize; 3], u8)| [at, shifted(at, mask)];
     let place = |edge: &([usize; 3], u8)| {
@@ -154,9 +154,9 @@ fn finish(map: &VolumeMap, iso: f64, crossings: &Crossings, found: &[[u32; 3]]) 
         crossing(|t| map.values(a.lerp(b, t)).distance - iso)
     };
     let places: Vec<f64> = crossings.edges.par_iter().map(place).collect();
-    let mut surface = Surface::default();
+    let mut surface = IsoSurface::default();
     let mut snapped = HashMap::new();
-    let mut number = |crossing: u32, surface: &mut Surface| -> u32 {
+    let mut number = |crossing: u32, surface: &mut IsoSurface| -> u32 {
         let (edge, t) = (&crossings.edges[crossing as usize], places[crossing as usize]);
         let [a, b] = ends(edge);
         // The first key is a point of the lattice, the second an edge.
@@ -186,9 +186,9 @@ fn lies_in_border(lattice: &Lattice, &(at, mask): &([usize; 3], u8)) -> bool {
 }
 
 /// Drops vertices whose triangles are all gone.
-fn without_unused(surface: Surface) -> Surface {
+fn without_unused(surface: IsoSurface) -> IsoSurface {
     let mut numbers = vec![u32::MAX; surface.vertices.len()];
-    let mut out = Surface { is_cut: surface.is_cut, ..Surface::default() };
+    let mut out = IsoSurface { is_cut: surface.is_cut, ..IsoSurface::default() };
     for corners in &surface.triangles {
         out.triangles.push(corners.map(|corner| {
             let number = &mut numbers[corner as usize];

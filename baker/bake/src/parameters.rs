@@ -21,7 +21,7 @@ pub(crate) use attribute::{flag, real};
 pub use check::Mistake;
 pub use choice::{CompressionName, PrecisionName, Up};
 pub use number::{Numbers, Resolution, Scale, Unit};
-pub use part::{Part, RoundingPart, Tolerance};
+pub use part::{Fraction, RoundingPart, Tolerance};
 pub use range::Range;
 pub use row::{Baked, Group, Parameter, Section};
 pub use size::ByteSize;

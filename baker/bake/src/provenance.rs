@@ -1,7 +1,7 @@
 //! What an asset says of its own bake: how its mesh was placed, and which file it was.
 
 use crate::error::Error;
-use crate::input::{InputSettings, Source};
+use crate::input::{InputSettings, MeshSource};
 use crate::parameters;
 use std::path::{Path, PathBuf};
 use volmap_formats::asset::{Asset, Value};
@@ -46,7 +46,7 @@ pub fn find_mesh(asset: &Asset, folders: &[&Path]) -> Option<PathBuf> {
 }
 
 /// A warning, if this isn't the file that was baked.
-pub fn other_mesh(asset: &Asset, source: &Source) -> Option<String> {
+pub fn other_mesh(asset: &Asset, source: &MeshSource) -> Option<String> {
     let Some(Value::Text(known)) = asset.source.get("blake3") else { return None };
     (*known != source.blake3).then(|| {
         let name = match asset.source.get("file") {

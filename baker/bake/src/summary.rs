@@ -1,6 +1,6 @@
 //! The summary of a bake: what a person wants to know of it, and how it is printed.
 
-use crate::input::Source;
+use crate::input::MeshSource;
 use crate::maps::Maps;
 use crate::mesh::{Diagnosis, OrientationRepair};
 use crate::plan::Plan;
@@ -17,7 +17,7 @@ use volmap_formats::text::{bytes, number, percent, significant, thousands};
 #[derive(Clone, Debug)]
 pub struct Summary {
     /// The mesh's file.
-    pub source: Source,
+    pub source: MeshSource,
     /// What cleaning did.
     pub cleaning: CleanReport,
     /// What was done to the file's coordinates.

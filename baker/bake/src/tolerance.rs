@@ -65,7 +65,7 @@ pub struct MeasuredError {
 }
 
 /// A solid whose cells are to be chosen.
-pub struct Problem<'a, D> {
+pub struct SearchProblem<'a, D> {
     /// The surface.
     pub mesh: &'a TriangleMesh,
     /// Its box and area.
@@ -79,7 +79,7 @@ pub struct Problem<'a, D> {
 /// # Errors
 /// A tolerance that the rule or the memory can't reach; otherwise as [`plan`] and [`compute_maps`].
 pub fn search<D: SignedDistance>(
-    problem: &Problem<D>,
+    problem: &SearchProblem<D>,
     settings: &MapSettings,
     tolerance: f64,
     watch: &Watch,
@@ -110,14 +110,14 @@ fn check_rounding(settings: &MapSettings, tolerance: f64) -> Result<(), Error> {
 }
 
 /// The plan with cubes of this edge, metres.
-fn with_cells<D>(problem: &Problem<D>, settings: &MapSettings, edge: f64) -> Result<Plan, Error> {
+fn with_cells<D>(problem: &SearchProblem<D>, settings: &MapSettings, edge: f64) -> Result<Plan, Error> {
     let settings = MapSettings { grid: GridChoice::CellSize(edge), ..settings.clone() };
     plan(problem.extent, &settings)
 }
 
 /// All that tries share.
 struct Tries<'a, D> {
-    problem: &'a Problem<'a, D>,
+    problem: &'a SearchProblem<'a, D>,
     settings: &'a MapSettings,
     tolerance: f64,
     reference: &'a Reference,
@@ -212,7 +212,7 @@ struct Reference {
 
 impl Reference {
     fn new<D: SignedDistance>(
-        problem: &Problem<D>,
+        problem: &SearchProblem<D>,
         settings: &MapSettings,
         plan: &Plan,
         tolerance: f64,
@@ -309,7 +309,11 @@ fn integrals(
 }
 
 /// Points with 0 < Phi < 2 r, in any direction from points spread over the surface by area.
-fn fluid_points<D: SignedDistance>(problem: &Problem<D>, settings: &MapSettings, plan: &Plan) -> Vec<DVec3> {
+fn fluid_points<D: SignedDistance>(
+    problem: &SearchProblem<D>,
+    settings: &MapSettings,
+    plan: &Plan,
+) -> Vec<DVec3> {
     let reach = plan.band_width + settings.thickness.abs();
     let mut surroundings = Surroundings::new(problem.mesh);
     let candidates: Vec<DVec3> = (0..TRIES * POINTS).map(|_| surroundings.point(reach)).collect();

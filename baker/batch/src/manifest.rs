@@ -10,7 +10,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::Value;
 use std::fmt;
 use std::path::Path;
-use volmap_bake::parameters::{ByteSize, Parameters, Part};
+use volmap_bake::parameters::{ByteSize, Fraction, Parameters};
 use volmap_documents::{At, Checked, Kind, Syntax};
 
 /// The version of the format that this program reads.
@@ -72,7 +72,7 @@ pub struct Rules {
 #[serde(deny_unknown_fields, default, expecting = "give a table")]
 pub struct Gates {
     /// Largest error of the volume in the fluid, as a part of the full ball (1% or 0.01).
-    pub max_error: Option<Part>,
+    pub max_error: Option<Fraction>,
     /// Largest size of the asset's file, bytes, or as 2MB or 500kB.
     pub max_bytes: Option<ByteSize>,
     /// The mesh must have no hole. Default: false.

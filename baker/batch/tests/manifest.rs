@@ -4,7 +4,7 @@ use proptest::prelude::*;
 use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
-use volmap_bake::parameters::{ByteSize, Parameters, Part};
+use volmap_bake::parameters::{ByteSize, Fraction, Parameters};
 use volmap_batch::assets::{Expanded, PlannedAsset, expand};
 use volmap_batch::manifest::{Gates, Manifest, from_patterns, load, parse};
 use volmap_documents::Syntax;
@@ -79,7 +79,7 @@ fn later_entries_go_over_earlier_ones_and_maps_over_all() {
     assert_eq!((names(&found), found.notes.len()), (wanted.to_vec(), 0));
     let [rock, near, far, missing, _] = &found.assets[..] else { unreachable!() };
     let gates = Gates {
-        max_error: Some(Part(0.01)),
+        max_error: Some(Fraction(0.01)),
         max_bytes: Some(ByteSize(2_000_000)),
         must_be_closed: Some(true),
     };

@@ -25,7 +25,7 @@ use volmap_runtime::VolumeMap;
 
 /// A field of the map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Field {
+pub enum ExportField {
     /// Signed distance, metres.
     Distance,
     /// Boundary volume, m^3.
@@ -36,7 +36,7 @@ pub enum Field {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ExportSettings {
     /// VTI: one field only.
-    pub field: Option<Field>,
+    pub field: Option<ExportField>,
     /// VTI and PLY: the points at which the map is asked; by default the corners of its cells, and thirds of its cells.
     pub lattice: Option<LatticeChoice>,
     /// PLY: the distance of the surface, metres; by default 0.

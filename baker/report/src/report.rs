@@ -26,7 +26,7 @@ use figures::{Picture, slice_pictures, view_picture};
 use findings::{Findings, findings};
 use glam::DVec3;
 use model::{Model, Solid};
-use shape::Shape;
+use shape::ClosedForm;
 use slices::ErrorSlice;
 use statistics::Measurement;
 use thin::Width;
@@ -49,7 +49,7 @@ pub struct ReportSettings {
     /// Seed of the points.
     pub seed: u64,
     /// The shape that the mesh stands for.
-    pub shape: Option<Shape>,
+    pub shape: Option<ClosedForm>,
     /// Largest error that passes, as a part of the full ball.
     pub max_error: Option<f64>,
     /// Pixels of the longest side of a slice; none are made of 0.
@@ -147,11 +147,11 @@ pub struct Measured<'a> {
     /// Volumes.
     pub volumes: Vec<VolumeSample>,
     /// What needs the mesh.
-    pub surface: Option<Surface>,
+    pub surface: Option<SurfaceFindings>,
 }
 
 /// What needs the mesh.
-pub struct Surface {
+pub struct SurfaceFindings {
     /// Errors of the density, if the asset has one.
     pub density: Option<Vec<Measurement>>,
     /// Errors of distance and normal.
@@ -168,7 +168,7 @@ fn surface(
     solid: &Solid,
     points: &[DVec3],
     watch: &Watch,
-) -> Result<Surface, Error> {
+) -> Result<SurfaceFindings, Error> {
     let corner = |v: u32| DVec3::from(solid.mesh.vertices[v as usize]);
     let corners: Vec<[DVec3; 3]> = solid.mesh.triangles.iter().map(|triangle| triangle.map(corner)).collect();
     let density = match &asset.density {
@@ -180,5 +180,5 @@ fn surface(
     let work = watch.begin("comparing the signs", near.len() as u64)?;
     let signs = compare_signs(&solid.phi.mesh, &near, &work)?;
     let widths = thin::widths(solid, &thin::spread(&corners), thin::reach(model), watch)?;
-    Ok(Surface { density, errors, signs, widths })
+    Ok(SurfaceFindings { density, errors, signs, widths })
 }

@@ -18,7 +18,7 @@ use volmap_runtime::{Sample, VolumeMap};
 
 /// What is shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Field {
+pub enum SliceField {
     /// Volume of the solid in the ball, m^3.
     #[default]
     Volume,
@@ -38,7 +38,7 @@ pub struct SliceSettings {
     /// Where.
     pub plane: Plane,
     /// What.
-    pub field: Field,
+    pub field: SliceField,
     /// Pixels along the longer side.
     pub pixels: usize,
     /// Values of the field that get a curve.
@@ -74,14 +74,14 @@ pub fn slice(
     watch: &Watch,
 ) -> Result<Slice, Error> {
     let lattice = lattice(map, settings)?;
-    if settings.field == Field::Density && map.density_kernel().is_none() {
+    if settings.field == SliceField::Density && map.density_kernel().is_none() {
         return Err(Error::setting("field", "density: the asset has none; bake it with `density`"));
     }
     let tree = match (settings.field, mesh) {
-        (Field::NormalAngle, None) => {
+        (SliceField::NormalAngle, None) => {
             return Err(Error::setting("field", "normal-angle: needs `mesh`, to compare with"));
         }
-        (Field::NormalAngle, Some(NamedMesh { mesh, .. })) => Some(tree(mesh)),
+        (SliceField::NormalAngle, Some(NamedMesh { mesh, .. })) => Some(tree(mesh)),
         _ => None,
     };
     let (pixels, distances) = sampled(map, settings.field, &lattice, tree.as_ref(), watch)?;
@@ -108,7 +108,7 @@ fn tree(mesh: &TriangleMesh) -> Bvh {
 /// The field, and the distance in metres or NaN, at the pixels.
 fn sampled(
     map: &VolumeMap,
-    field: Field,
+    field: SliceField,
     lattice: &PixelLattice,
     tree: Option<&Bvh>,
     watch: &Watch,
@@ -120,7 +120,7 @@ fn sampled(
         let mut samples: Vec<Sample> = Vec::new();
         map.sample_batch(&points, &mut samples);
         let pixel = |(sample, point): (&Sample, &DVec3)| match (field, map.density(*point)) {
-            (Field::Density, Some(density)) if sample.near().is_some() => Pixel::Value(density.value),
+            (SliceField::Density, Some(density)) if sample.near().is_some() => Pixel::Value(density.value),
             _ => pixel(field, sample, *point, tree),
         };
         let distance = |sample: &Sample| sample.near().map_or(f64::NAN, |near| near.distance);
@@ -145,17 +145,17 @@ fn lattice(map: &VolumeMap, settings: &SliceSettings) -> Result<PixelLattice, Er
     Ok(PixelLattice::over(settings.plane, low, high, settings.pixels))
 }
 
-fn pixel(field: Field, sample: &Sample, point: DVec3, tree: Option<&Bvh>) -> Pixel {
+fn pixel(field: SliceField, sample: &Sample, point: DVec3, tree: Option<&Bvh>) -> Pixel {
     let near = match sample {
         Sample::Near(near) => near,
         Sample::Outside => return Pixel::Fluid,
         Sample::DeepInside => return Pixel::Solid,
     };
     match (field, tree) {
-        (Field::Volume, _) => Pixel::Value(near.volume),
-        (Field::Distance, _) => Pixel::Value(near.distance),
-        (Field::Normal(component), _) => Pixel::Value(near.normal[component]),
-        (Field::NormalAngle, Some(tree)) => {
+        (SliceField::Volume, _) => Pixel::Value(near.volume),
+        (SliceField::Distance, _) => Pixel::Value(near.distance),
+        (SliceField::Normal(component), _) => Pixel::Value(near.normal[component]),
+        (SliceField::NormalAngle, Some(tree)) => {
             let line = (point - tree.closest(point, f64::INFINITY).point).normalize_or_zero();
             // By the half angle's tangent, which is exact for small angles too; either direction of the line
             // counts.
@@ -166,7 +166,7 @@ fn pixel(field: Field, sample: &Sample, point: DVec3, tree: Option<&Bvh>) -> Pix
                 false => Pixel::Unknown,
             }
         }
-        (Field::NormalAngle, None) | (Field::Density, _) => Pixel::Unknown,
+        (SliceField::NormalAngle, None) | (SliceField::Density, _) => Pixel::Unknown,
     }
 }
 
@@ -201,24 +201,24 @@ fn lines(raster: &Raster, distances: &[f64], settings: &SliceSettings, mesh: Opt
     lines
 }
 
-fn quantity(field: Field) -> Quantity {
+fn quantity(field: SliceField) -> Quantity {
     match field {
-        Field::Volume => Quantity::new("volume", "m³"),
-        Field::Density => Quantity::new("boundary density / rest density", ""),
-        Field::Distance => Quantity::new("distance", "m"),
-        Field::Normal(component) => {
+        SliceField::Volume => Quantity::new("volume", "m³"),
+        SliceField::Density => Quantity::new("boundary density / rest density", ""),
+        SliceField::Distance => Quantity::new("distance", "m"),
+        SliceField::Normal(component) => {
             Quantity::new(format!("{} of the normal", ["x", "y", "z"][component.min(2)]), "")
         }
-        Field::NormalAngle => Quantity::new("error of the normal", "degrees"),
+        SliceField::NormalAngle => Quantity::new("error of the normal", "degrees"),
     }
 }
 
-fn colouring(field: Field) -> Colouring {
+fn colouring(field: SliceField) -> Colouring {
     match field {
-        Field::Volume | Field::Density => Colouring::Linear(ColourMap::Viridis, Limits::Auto),
-        Field::Distance => Colouring::Linear(ColourMap::BlueRed, Limits::Auto),
-        Field::Normal(_) => Colouring::Linear(ColourMap::BlueRed, Limits::Given([-1.0, 1.0])),
-        Field::NormalAngle => Colouring::Log(ColourMap::Viridis, Limits::Auto),
+        SliceField::Volume | SliceField::Density => Colouring::Linear(ColourMap::Viridis, Limits::Auto),
+        SliceField::Distance => Colouring::Linear(ColourMap::BlueRed, Limits::Auto),
+        SliceField::Normal(_) => Colouring::Linear(ColourMap::BlueRed, Limits::Given([-1.0, 1.0])),
+        SliceField::NormalAngle => Colouring::Log(ColourMap::Viridis, Limits::Auto),
     }
 }
 

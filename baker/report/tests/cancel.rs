@@ -16,7 +16,7 @@ use volmap_report::reproduce::{
     EXPERIMENTS, ReproduceSettings, dragon::DragonSettings, duck::DuckSettings, kinds::KindsSettings,
     plane::PlaneSettings,
 };
-use volmap_report::slice::{Field, SliceSettings, slice};
+use volmap_report::slice::{SliceField, SliceSettings, slice};
 use volmap_runtime::VolumeMap;
 
 const CUBE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n\
@@ -94,7 +94,7 @@ fn slices_end_at_any_step() {
     let map = VolumeMap::from_asset(&asset()).unwrap();
     let settings = SliceSettings {
         plane: Plane { axis: Axis::Z, at: 0.5 },
-        field: Field::Volume,
+        field: SliceField::Volume,
         pixels: 40,
         contours: Vec::new(),
     };

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use volmap_bake::iso_surface::lattice::LatticeChoice;
 use volmap_bake::parameters::Resolution;
 use volmap_formats::asset::Exterior;
-use volmap_report::export::{ExportSettings, Field};
+use volmap_report::export::{ExportField, ExportSettings};
 use volmap_report::import::ImportSettings;
 
 #[derive(Debug, Args)]
@@ -64,8 +64,8 @@ impl ExportArguments {
     /// What is exported.
     pub fn settings(&self) -> ExportSettings {
         let field = |name| match name {
-            FieldName::Distance => Field::Distance,
-            FieldName::Volume => Field::Volume,
+            FieldName::Distance => ExportField::Distance,
+            FieldName::Volume => ExportField::Volume,
         };
         let steps = self.resolution.map(|Resolution(steps)| LatticeChoice::Resolution(steps));
         ExportSettings {

@@ -4,9 +4,9 @@ use super::threads;
 use clap::Args;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
-use volmap_bake::parameters::Part;
+use volmap_bake::parameters::Fraction;
 use volmap_report::report::ReportSettings;
-use volmap_report::report::shape::Shape;
+use volmap_report::report::shape::ClosedForm;
 
 #[derive(Debug, Args)]
 pub struct ReportArguments {
@@ -25,11 +25,11 @@ pub struct ReportArguments {
     pub json: Option<PathBuf>,
     /// Largest error of the volume in the fluid, as a part of the full ball; above it the exit code is 1
     #[arg(long, value_name = "PART", allow_hyphen_values = true)]
-    max_error: Option<Part>,
+    max_error: Option<Fraction>,
     /// The shape that the mesh stands for, in metres: sphere:x,y,z,radius, halfspace:x,y,z,nx,ny,nz or
     /// box:x0,y0,z0,x1,y1,z1; `inverted-` before it for a container
-    #[arg(long, value_parser = Shape::from_str, allow_hyphen_values = true)]
-    shape: Option<Shape>,
+    #[arg(long, value_parser = ClosedForm::from_str, allow_hyphen_values = true)]
+    shape: Option<ClosedForm>,
     /// Random points of the band
     #[arg(long, value_name = "N", default_value_t = ReportSettings::default().points, value_parser = points)]
     points: usize,

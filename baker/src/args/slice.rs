@@ -4,7 +4,7 @@ use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use std::str::FromStr;
 use volmap_figures::picture::Plane;
-use volmap_report::slice::{Field, SliceSettings};
+use volmap_report::slice::{SliceField, SliceSettings};
 
 #[derive(Debug, Args)]
 pub struct SliceArguments {
@@ -51,13 +51,13 @@ impl SliceArguments {
     /// What is drawn.
     pub fn settings(&self) -> SliceSettings {
         let field = match self.field {
-            FieldName::Volume => Field::Volume,
-            FieldName::Density => Field::Density,
-            FieldName::Distance => Field::Distance,
-            FieldName::NormalX => Field::Normal(0),
-            FieldName::NormalY => Field::Normal(1),
-            FieldName::NormalZ => Field::Normal(2),
-            FieldName::NormalAngle => Field::NormalAngle,
+            FieldName::Volume => SliceField::Volume,
+            FieldName::Density => SliceField::Density,
+            FieldName::Distance => SliceField::Distance,
+            FieldName::NormalX => SliceField::Normal(0),
+            FieldName::NormalY => SliceField::Normal(1),
+            FieldName::NormalZ => SliceField::Normal(2),
+            FieldName::NormalAngle => SliceField::NormalAngle,
         };
         SliceSettings {
             plane: self.plane,

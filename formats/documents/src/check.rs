@@ -2,7 +2,7 @@
 
 /// One step from a table to a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Step {
+pub enum PathStep {
     /// Into a table.
     Key(&'static str),
     /// Into a list.
@@ -13,7 +13,7 @@ pub enum Step {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Problem {
     /// The way to it.
-    pub path: Vec<Step>,
+    pub path: Vec<PathStep>,
     /// What is wrong and the cure.
     pub reason: String,
 }
@@ -30,9 +30,9 @@ impl Problem {
         let mut out = String::new();
         for step in &self.path {
             match step {
-                Step::Key(name) if out.is_empty() => out.push_str(name),
-                Step::Key(name) => out = format!("{out}.{name}"),
-                Step::Item(index) => out = format!("{out}[{index}]"),
+                PathStep::Key(name) if out.is_empty() => out.push_str(name),
+                PathStep::Key(name) => out = format!("{out}.{name}"),
+                PathStep::Item(index) => out = format!("{out}[{index}]"),
             }
         }
         out
@@ -41,7 +41,7 @@ impl Problem {
 
 /// Where a check is: a table of the document.
 #[derive(Clone, Debug)]
-pub struct At(Vec<Step>);
+pub struct At(Vec<PathStep>);
 
 impl At {
     /// The document itself.
@@ -51,15 +51,15 @@ impl At {
 
     /// A table in this one.
     pub fn key(&self, name: &'static str) -> At {
-        self.then(Step::Key(name))
+        self.then(PathStep::Key(name))
     }
 
     /// An item of this list.
     pub fn item(&self, index: usize) -> At {
-        self.then(Step::Item(index))
+        self.then(PathStep::Item(index))
     }
 
-    fn then(&self, step: Step) -> At {
+    fn then(&self, step: PathStep) -> At {
         At(self.0.iter().copied().chain([step]).collect())
     }
 

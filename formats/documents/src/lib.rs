@@ -11,7 +11,7 @@ pub mod error;
 mod explain;
 mod place;
 
-pub use check::{At, Checked, Problem, Step};
+pub use check::{At, Checked, PathStep, Problem};
 pub use error::Error;
 
 use explain::explain;

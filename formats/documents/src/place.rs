@@ -1,7 +1,7 @@
 //! From a key to its line and column in the file.
 
 use super::Syntax;
-use super::check::Step;
+use super::check::PathStep;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -14,23 +14,23 @@ pub(super) fn line_and_column(text: &str, offset: usize) -> (usize, usize) {
 }
 
 /// The byte where a value, or what of the way to it is there, stands in a text without errors.
-pub(super) fn locate(text: &str, syntax: Syntax, path: &[Step]) -> usize {
+pub(super) fn locate(text: &str, syntax: Syntax, path: &[PathStep]) -> usize {
     match syntax {
         Syntax::Toml => DeTable::parse(text).map_or(0, |table| in_table(table.get_ref(), path, 0)),
         Syntax::Json => in_json(text, path).unwrap_or(0),
     }
 }
 
-fn in_table(table: &DeTable, path: &[Step], here: usize) -> usize {
-    let Some((Step::Key(name), rest)) = path.split_first() else { return here };
+fn in_table(table: &DeTable, path: &[PathStep], here: usize) -> usize {
+    let Some((PathStep::Key(name), rest)) = path.split_first() else { return here };
     let entry = table.iter().find(|(key, _)| key.get_ref() == name);
     entry.map_or(here, |(key, value)| in_value(value, rest, key.span().start))
 }
 
-fn in_value(value: &Spanned<DeValue>, path: &[Step], here: usize) -> usize {
+fn in_value(value: &Spanned<DeValue>, path: &[PathStep], here: usize) -> usize {
     match (value.get_ref(), path.split_first()) {
         (DeValue::Table(table), _) => in_table(table, path, here),
-        (DeValue::Array(list), Some((&Step::Item(index), rest))) => {
+        (DeValue::Array(list), Some((&PathStep::Item(index), rest))) => {
             list.get(index).map_or(here, |item| in_value(item, rest, item.span().start))
         }
         _ => here,
@@ -38,14 +38,14 @@ fn in_value(value: &Spanned<DeValue>, path: &[Step], here: usize) -> usize {
 }
 
 /// Goes through the bytes of a JSON text; the last place that was found, if the way ends early.
-fn in_json(text: &str, path: &[Step]) -> Option<usize> {
+fn in_json(text: &str, path: &[PathStep]) -> Option<usize> {
     let bytes = text.as_bytes();
     let mut value = skip_space(bytes, 0);
     let mut here = value;
     for step in path {
         let found = match step {
-            Step::Key(name) => member(text, value, name),
-            Step::Item(index) => item(bytes, value, *index).map(|at| (at, at)),
+            PathStep::Key(name) => member(text, value, name),
+            PathStep::Item(index) => item(bytes, value, *index).map(|at| (at, at)),
         };
         let Some((key, next)) = found else { break };
         (here, value) = (key, next);
@@ -125,7 +125,8 @@ fn value_end(bytes: &[u8], start: usize) -> Option<usize> {
 mod tests {
     use super::*;
 
-    const PATH: [Step; 4] = [Step::Key("b"), Step::Item(1), Step::Key("c"), Step::Key("d")];
+    const PATH: [PathStep; 4] =
+        [PathStep::Key("b"), PathStep::Item(1), PathStep::Key("c"), PathStep::Key("d")];
 
     #[test]
     fn the_same_key_is_found_in_both_syntaxes() {

@@ -13,7 +13,7 @@
 use volmap_fluid::Error;
 use volmap_fluid::bodies::Bodies;
 use volmap_fluid::channels::{ChannelDeclaration, Channels, Initial};
-use volmap_fluid::forces::{Defect, Force, Step};
+use volmap_fluid::forces::{Defect, Force, ForceStep};
 use volmap_fluid::lattice::fill_box;
 use volmap_fluid::neighbours::Neighbour;
 use volmap_fluid::observe;
@@ -73,7 +73,7 @@ impl Force for Vortices {
 
     fn accelerate(
         &mut self,
-        step: &Step,
+        step: &ForceStep,
         velocities: &[Quad],
         channels: &mut Channels,
         accelerations: &mut [Quad],

@@ -19,7 +19,7 @@ const MANY_PARTICLES: usize = 200_000;
 
 /// An aligned cube of cells with particles in it.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Block {
+pub struct CellBlock {
     /// Its particles, which follow each other.
     pub particles: Range<usize>,
     /// Cells that have particles: lowest and highest corner.
@@ -39,9 +39,9 @@ pub struct TooDense {
 ///
 /// # Errors
 /// [`TooDense`]
-pub fn divide(cells: &Cells, particles: usize) -> Result<Vec<Block>, TooDense> {
+pub fn divide(cells: &Cells, particles: usize) -> Result<Vec<CellBlock>, TooDense> {
     let size = if particles < MANY_PARTICLES { FEW_CELLS } else { MANY_CELLS };
-    let tiles: Vec<Result<Vec<Block>, TooDense>> = (0..cells.tiles())
+    let tiles: Vec<Result<Vec<CellBlock>, TooDense>> = (0..cells.tiles())
         .into_par_iter()
         .map(|tile| {
             let mut out = Vec::new();
@@ -52,12 +52,12 @@ pub fn divide(cells: &Cells, particles: usize) -> Result<Vec<Block>, TooDense> {
         })
         .collect();
     // The first of the errors, whichever came first.
-    let tiles: Result<Vec<Vec<Block>>, TooDense> = tiles.into_iter().collect();
+    let tiles: Result<Vec<Vec<CellBlock>>, TooDense> = tiles.into_iter().collect();
     Ok(tiles?.into_iter().flatten().collect())
 }
 
 /// Adds the block of `size` cells from number `first` on, or its parts if it has too much around it.
-fn add(cells: &Cells, first: usize, size: usize, out: &mut Vec<Block>) -> Result<(), TooDense> {
+fn add(cells: &Cells, first: usize, size: usize, out: &mut Vec<CellBlock>) -> Result<(), TooDense> {
     let particles = cells.particles_of(first..first + size);
     if particles.is_empty() {
         return Ok(());
@@ -71,7 +71,7 @@ fn add(cells: &Cells, first: usize, size: usize, out: &mut Vec<Block>) -> Result
     }
     let around: usize = surroundings(occupied).map(|cell| cells.particles(cell).len()).sum();
     if around <= MOST {
-        out.push(Block { particles, occupied, cells: first..first + size });
+        out.push(CellBlock { particles, occupied, cells: first..first + size });
         return Ok(());
     }
     if size == 1 {
@@ -103,7 +103,7 @@ mod tests {
     use crate::neighbours::tests::random_points;
     use volmap_runtime::DVec3;
 
-    fn blocks(positions: &[DVec3]) -> Result<Vec<Block>, TooDense> {
+    fn blocks(positions: &[DVec3]) -> Result<Vec<CellBlock>, TooDense> {
         let (mut cells, mut order) = (Cells::default(), Vec::new());
         cells.sort(positions, 0.1, &mut order);
         divide(&cells, positions.len())

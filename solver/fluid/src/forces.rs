@@ -57,7 +57,7 @@ pub trait Force: Send + Sync {
     /// An explicit force: adds its accelerations (m/s^2) at these velocities (m/s), and may change its channels.
     fn accelerate(
         &mut self,
-        _step: &Step,
+        _step: &ForceStep,
         _velocities: &[Quad],
         _channels: &mut Channels,
         _accelerations: &mut [Quad],
@@ -66,7 +66,12 @@ pub trait Force: Send + Sync {
 
     /// An implicit force: changes the velocities (m/s), which explicit forces have changed before; none if it has
     /// nothing to solve.
-    fn solve(&mut self, _step: &Step, _velocities: &mut [Quad], _channels: &mut Channels) -> Option<Solved> {
+    fn solve(
+        &mut self,
+        _step: &ForceStep,
+        _velocities: &mut [Quad],
+        _channels: &mut Channels,
+    ) -> Option<Solved> {
         None
     }
 
@@ -87,7 +92,7 @@ pub struct Defect {
 
 /// What a force sees of a step, beside the velocities. Particles are in the order of their cells; lists have one
 /// element for each. The fourth number of a quad is 0.
-pub struct Step<'a> {
+pub struct ForceStep<'a> {
     /// Its length, seconds.
     pub dt: f64,
     /// Gravity, support radius and so on.
@@ -158,7 +163,7 @@ impl Forces {
     /// Writes the accelerations by all explicit forces, m/s^2.
     pub fn accelerate(
         &mut self,
-        step: &Step,
+        step: &ForceStep,
         velocities: &[Quad],
         channels: &mut Channels,
         accelerations: &mut [Quad],
@@ -172,7 +177,7 @@ impl Forces {
 
     /// Changes the velocities by all implicit forces: iterations of all, the largest error, and all forces on the
     /// bodies.
-    pub fn solve(&mut self, step: &Step, velocities: &mut [Quad], channels: &mut Channels) -> Solved {
+    pub fn solve(&mut self, step: &ForceStep, velocities: &mut [Quad], channels: &mut Channels) -> Solved {
         let mut sum = Solved::default();
         for force in &mut self.list {
             let Some(solved) = force.solve(step, velocities, channels) else { continue };

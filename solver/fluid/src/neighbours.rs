@@ -7,7 +7,7 @@
 mod rows;
 mod search;
 
-use crate::blocks::{self, Block, TooDense};
+use crate::blocks::{self, CellBlock, TooDense};
 use crate::cells::Cells;
 use crate::discretization::Discretization;
 use crate::pairs::kernels::KernelLanes;
@@ -127,7 +127,7 @@ impl Neighbours {
 /// The search and the rows of one block.
 struct Build<'a> {
     cells: &'a Cells,
-    block: &'a Block,
+    block: &'a CellBlock,
     places: &'a [Quad],
     sought: Sought,
     room: &'a mut Room,

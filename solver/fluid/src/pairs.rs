@@ -34,7 +34,7 @@ pub(crate) mod workspace;
 
 use crate::discretization::Discretization;
 use kernels::{CubicSpline, KernelLanes, Poly6, Spiky, WendlandC2};
-use lanes::{Lanes, Work};
+use lanes::{Lanes, Vectorized};
 use volmap_runtime::KernelKind;
 
 /// A pair: gradient, and twice the number of the other particle in the block's table.
@@ -108,7 +108,7 @@ impl Units {
 
 /// Does the work with the widest vectors that this processor has.
 #[inline]
-pub(crate) fn dispatch(work: impl Work) {
+pub(crate) fn dispatch(work: impl Vectorized) {
     #[cfg(target_arch = "x86_64")]
     let Some(work) = avx2::run(work) else { return };
     work.run::<lanes::Plain>();
@@ -126,7 +126,7 @@ pub(crate) struct WithKernel<W> {
     pub work: W,
 }
 
-impl<W: WorkOfKernel> Work for WithKernel<W> {
+impl<W: WorkOfKernel> Vectorized for WithKernel<W> {
     #[inline(always)]
     fn run<V: Lanes>(self) {
         match self.kernel {

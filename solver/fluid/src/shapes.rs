@@ -5,7 +5,7 @@ use crate::error::Error;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use volmap_bake::bake::{Bake, BakeSettings, bake};
-use volmap_bake::input::{Input, Source};
+use volmap_bake::input::{Input, MeshSource};
 use volmap_bake::plan::{GridChoice, MapSettings};
 use volmap_formats::mesh::{CleanReport, Placement, TriangleMesh};
 use volmap_runtime::{ClosureKind, DVec3, Pose, VolumeMap};
@@ -77,7 +77,7 @@ pub fn baked_by(mesh: TriangleMesh, map: MapSettings) -> Result<Shape, Error> {
 pub fn bake_made(mesh: TriangleMesh, map: MapSettings) -> Result<Bake, Error> {
     let input = Input {
         mesh,
-        source: Source { file: "made".into(), format: "none".into(), blake3: String::new() },
+        source: MeshSource { file: "made".into(), format: "none".into(), blake3: String::new() },
         cleaning: CleanReport::default(),
         placement: Placement::default(),
         weld_tolerance: 0.0,

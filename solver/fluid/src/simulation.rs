@@ -10,7 +10,7 @@ use crate::discretization::Discretization;
 use crate::emitter::Emitter;
 use crate::error::Error;
 use crate::fields::{self, Fields};
-use crate::forces::{Force, Forces, Step};
+use crate::forces::{Force, ForceStep, Forces};
 use crate::neighbours::{Neighbours, Sought};
 use crate::pairs::table::MOST;
 use crate::particles::{CHUNK, Particles};
@@ -270,7 +270,7 @@ impl Simulation {
         let particle_mass = self.particle_mass();
         let Particles { positions, channels, .. } = &mut self.particles;
         let Fields { places, densities, velocities, accelerations, .. } = &mut self.fields;
-        let step = Step {
+        let step = ForceStep {
             dt,
             world: &self.world,
             with,

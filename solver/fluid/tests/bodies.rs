@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use std::path::PathBuf;
 use std::sync::{Arc, LazyLock};
 use volmap_bake::bake::{BakeSettings, bake};
-use volmap_bake::input::{self, Input, InputSettings, Source};
+use volmap_bake::input::{self, Input, InputSettings, MeshSource};
 use volmap_bake::plan::{GridChoice, MapSettings};
 use volmap_fluid::Error;
 use volmap_fluid::bodies::{
@@ -36,7 +36,7 @@ fn data(name: &str) -> TriangleMesh {
 }
 
 fn thing(mesh: &TriangleMesh, invert: bool, resolution: [u32; 3]) -> Thing {
-    let source = Source { file: String::new(), format: String::new(), blake3: String::new() };
+    let source = MeshSource { file: String::new(), format: String::new(), blake3: String::new() };
     let input = Input {
         mesh: mesh.clone(),
         source,

@@ -2,7 +2,7 @@
 
 use super::{AreaSettings, bake};
 use crate::error::Error;
-use crate::input::Source;
+use crate::input::MeshSource;
 use crate::settings::{GridChoice, Precision};
 use crate::watch::Watch;
 use glam::DVec2;
@@ -87,7 +87,7 @@ pub fn bake_file(
     let outline = placed(parse_outline(path, &bytes)?, placement)?;
     let phi = OutlineDistance::new(&outline, settings.invert, settings.thickness);
     let asset = bake(phi.bounds(), &|x| phi.at(x), settings, watch)?;
-    let source = Source {
+    let source = MeshSource {
         file: path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
         format: "obj".into(),
         blake3: blake3::hash(&bytes).to_hex().to_string(),
@@ -170,7 +170,7 @@ fn parameters(asset: &Asset, placement: OutlinePlacement, settings: &AreaSetting
     out
 }
 
-fn source_attributes(source: &Source, phi: &OutlineDistance) -> Attributes {
+fn source_attributes(source: &MeshSource, phi: &OutlineDistance) -> Attributes {
     let [min, max] = phi.bounds();
     attributes([
         ("file", source.file.as_str().into()),

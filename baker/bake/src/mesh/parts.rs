@@ -46,7 +46,7 @@ impl Bounds {
 
 /// What is known of one part.
 #[derive(Clone, Debug)]
-pub struct Part {
+pub struct MeshPart {
     /// Surface area.
     pub area: f64,
     /// Signed volume; means nothing where the part isn't `balanced`.
@@ -62,7 +62,7 @@ pub struct Part {
 #[derive(Clone, Debug)]
 pub struct Parts {
     /// What is known of each.
-    pub list: Vec<Part>,
+    pub list: Vec<MeshPart>,
     order: Vec<u32>,
     starts: Vec<usize>,
 }
@@ -139,7 +139,7 @@ pub fn surplus(half_edges: impl Iterator<Item = HalfEdge>) -> i64 {
     half_edges.map(|half| if half.forward() { 1 } else { -1 }).sum()
 }
 
-fn measure(mesh: &TriangleMesh, triangles: &[u32], balanced: bool) -> Part {
+fn measure(mesh: &TriangleMesh, triangles: &[u32], balanced: bool) -> MeshPart {
     // Volumes are taken from a point of the part, for accuracy far from the origin.
     let origin = corners(mesh, triangles[0] as usize)[0];
     let mut bounds = Bounds::EMPTY;
@@ -151,5 +151,5 @@ fn measure(mesh: &TriangleMesh, triangles: &[u32], balanced: bool) -> Part {
         area += 0.5 * (b - a).cross(c - a).length();
         volume += a.dot(b.cross(c)) / 6.0;
     }
-    Part { area, volume, bounds, balanced }
+    MeshPart { area, volume, bounds, balanced }
 }

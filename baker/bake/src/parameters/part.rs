@@ -7,7 +7,7 @@ use std::str::FromStr;
 /// A part, positive.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd, Serialize)]
 #[serde(transparent)]
-pub struct Part(pub f64);
+pub struct Fraction(pub f64);
 
 /// Part of the full ball that cells may be searched for.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -25,12 +25,12 @@ fn fraction(text: &str) -> Option<f64> {
     number.trim().parse::<f64>().ok().map(|x| x / whole)
 }
 
-impl FromStr for Part {
+impl FromStr for Fraction {
     type Err = String;
 
-    fn from_str(text: &str) -> Result<Part, String> {
+    fn from_str(text: &str) -> Result<Fraction, String> {
         let part = fraction(text).filter(|part| *part > 0.0 && part.is_finite());
-        part.map(Part).ok_or_else(|| "give a part of the ball, as 0.5% or 0.005".into())
+        part.map(Fraction).ok_or_else(|| "give a part of the ball, as 0.5% or 0.005".into())
     }
 }
 
@@ -66,7 +66,7 @@ mod tests {
         assert!(bad.iter().all(|text| text.parse::<RoundingPart>().is_err()));
         assert_eq!(("1%".parse(), "0.01".parse()), (Ok(Tolerance(0.01)), Ok(Tolerance(0.01))));
         assert!(["0", "200%", "NaN"].iter().all(|text| text.parse::<Tolerance>().is_err()));
-        assert_eq!("150 %".parse(), Ok(Part(1.5)));
-        assert!(["0", "inf", "-1%", "%"].iter().all(|text| text.parse::<Part>().is_err()));
+        assert_eq!("150 %".parse(), Ok(Fraction(1.5)));
+        assert!(["0", "inf", "-1%", "%"].iter().all(|text| text.parse::<Fraction>().is_err()));
     }
 }

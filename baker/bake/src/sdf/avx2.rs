@@ -4,7 +4,7 @@
 //! both: so each instruction below is one that the processor has.
 #![allow(unsafe_code)]
 
-use crate::sdf::lanes::{Lanes, Row, Work};
+use crate::sdf::lanes::{Lanes, Row, Vectorized};
 use std::arch::x86_64::*;
 use std::ops::{Add, Mul, Sub};
 
@@ -14,7 +14,7 @@ pub(crate) struct Avx(__m256);
 
 /// Does the work with [`Avx`], if this processor has AVX2 and FMA; else gives it back.
 #[inline]
-pub(crate) fn run<W: Work>(work: W) -> Result<W::Output, W> {
+pub(crate) fn run<W: Vectorized>(work: W) -> Result<W::Output, W> {
     if !(is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")) {
         return Err(work);
     }
@@ -23,7 +23,7 @@ pub(crate) fn run<W: Work>(work: W) -> Result<W::Output, W> {
 }
 
 #[target_feature(enable = "avx2,fma")]
-fn with_avx2<W: Work>(work: W) -> W::Output {
+fn with_avx2<W: Vectorized>(work: W) -> W::Output {
     work.run::<Avx>()
 }
 

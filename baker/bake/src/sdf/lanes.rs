@@ -35,7 +35,7 @@ pub(crate) trait Lanes: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Out
 }
 
 /// What can be done with any [`Lanes`].
-pub(crate) trait Work {
+pub(crate) trait Vectorized {
     type Output;
     /// Must be inlined, to be compiled for the processor that has the lanes.
     fn run<V: Lanes>(self) -> Self::Output;

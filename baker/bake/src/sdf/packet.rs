@@ -10,7 +10,7 @@
 #[cfg(target_arch = "x86_64")]
 use crate::sdf::avx2;
 use crate::sdf::bvh::{Bvh, LEAF, NO_CHILD};
-use crate::sdf::lanes::{Lanes, Row, Work};
+use crate::sdf::lanes::{Lanes, Row, Vectorized};
 use wide::f32x8;
 
 /// Leaves that are kept open at a time.
@@ -80,7 +80,7 @@ struct Spheres<V> {
     radius_squared: V,
 }
 
-impl Work for Visits<'_> {
+impl Vectorized for Visits<'_> {
     type Output = bool;
 
     /// The box nearest to the first point comes first.

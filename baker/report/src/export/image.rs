@@ -4,7 +4,7 @@
 //! alike: that is right everywhere, and has no step at the band's edge. V is 0 in the fluid, the full ball in the
 //! solid.
 
-use super::{ExportSettings, Field};
+use super::{ExportField, ExportSettings};
 use crate::error::Error;
 use rayon::prelude::*;
 use volmap_bake::iso_surface::lattice::Lattice;
@@ -45,10 +45,10 @@ pub fn image(asset: &Asset, settings: &ExportSettings, watch: &Watch) -> Result<
         false => Numbers::F32(values.iter().map(|v| of(v) as f32).collect()),
     };
     let mut arrays = Vec::new();
-    if settings.field != Some(Field::Volume) {
+    if settings.field != Some(ExportField::Volume) {
         arrays.push(("signed_distance", numbers(&|v| v.distance.clamp(-limit, limit))));
     }
-    if settings.field != Some(Field::Distance) {
+    if settings.field != Some(ExportField::Distance) {
         arrays.push(("volume", numbers(&|v| v.volume)));
     }
     arrays.push(("region", Numbers::U8(values.iter().map(region).collect())));

@@ -5,7 +5,7 @@ use super::slices::ErrorSlice;
 use super::statistics::{DistanceBin, HistogramBar, Measurement, Statistics, by_distance, histogram};
 use super::thin::{self, Thin, Width};
 use super::volume_error::{ErrorPart, VolumeSample};
-use super::{Measured, ReportSettings, Surface};
+use super::{Measured, ReportSettings, SurfaceFindings};
 use crate::info;
 use glam::DVec3;
 use schemars::JsonSchema;
@@ -395,7 +395,7 @@ fn part_errors(samples: &[VolumeSample], ball: f64) -> Vec<PartErrors> {
     ErrorPart::ALL.into_iter().filter_map(errors).collect()
 }
 
-fn density_errors(measured: &Measured, surface: &Surface) -> Option<DensityErrors> {
+fn density_errors(measured: &Measured, surface: &SurfaceFindings) -> Option<DensityErrors> {
     let (field, errors) = (measured.asset.density.as_ref()?, surface.density.as_ref()?);
     Some(DensityErrors {
         kernel: field.kernel.clone(),
@@ -405,7 +405,7 @@ fn density_errors(measured: &Measured, surface: &Surface) -> Option<DensityError
     })
 }
 
-fn distance_errors(surface: &Surface, radius: f64) -> DistanceErrors {
+fn distance_errors(surface: &SurfaceFindings, radius: f64) -> DistanceErrors {
     let errors = &surface.errors;
     DistanceErrors {
         metres: Statistics::of(errors.distance.iter(), 1.0),

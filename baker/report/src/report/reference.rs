@@ -1,7 +1,7 @@
 //! What a volume is compared with: Eq. 12 of Bender et al. 2020 by other rules and on other distances.
 
 use super::model::{Model, Solid};
-use super::shape::Shape;
+use super::shape::ClosedForm;
 use glam::DVec3;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -149,6 +149,6 @@ impl<'a> ExactIntegrals<'a> {
 }
 
 /// Of a closed form.
-pub fn shape_volume(shape: &Shape, radius: f64, x: DVec3) -> f64 {
+pub fn shape_volume(shape: &ClosedForm, radius: f64, x: DVec3) -> f64 {
     shape.volume(radius, x)
 }

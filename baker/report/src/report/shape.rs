@@ -12,7 +12,7 @@ use volmap_bake::volume_map::quadrature::{Rule, gauss_legendre};
 
 /// A shape with a closed form. Inverted, solid and fluid change places.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Shape {
+pub struct ClosedForm {
     /// Which.
     pub kind: ShapeKind,
     /// Inverted.
@@ -45,7 +45,7 @@ pub enum ShapeKind {
     },
 }
 
-impl Shape {
+impl ClosedForm {
     /// Signed distance, negative in the solid.
     pub fn distance(&self, x: DVec3) -> f64 {
         let distance = match self.kind {
@@ -110,12 +110,12 @@ fn pieces(mut breaks: [f64; 5], [low, high]: [f64; 2], f: impl Fn(f64) -> f64) -
     sum
 }
 
-impl FromStr for Shape {
+impl FromStr for ClosedForm {
     type Err = String;
 
     /// `sphere:x,y,z,radius`, `halfspace:x,y,z,nx,ny,nz` (a point and the outward normal) or
     /// `box:x,y,z,x,y,z` (two corners); `inverted-` before it exchanges solid and fluid.
-    fn from_str(text: &str) -> Result<Shape, String> {
+    fn from_str(text: &str) -> Result<ClosedForm, String> {
         let usage = || {
             format!(
                 "`{text}` is no shape; give sphere:x,y,z,radius, halfspace:x,y,z,nx,ny,nz or box:x0,y0,z0,x1,y1,z1 \
@@ -149,7 +149,7 @@ impl FromStr for Shape {
             }
             _ => return Err(usage()),
         };
-        Ok(Shape { kind, invert })
+        Ok(ClosedForm { kind, invert })
     }
 }
 
@@ -166,7 +166,7 @@ mod tests {
         for text in
             ["sphere:0,0,0,1", "inverted-sphere:0,0,0,1", "sphere:0,0,0,0.1", "halfspace:0,0,0.9,0,0,2"]
         {
-            let shape: Shape = text.parse().unwrap();
+            let shape: ClosedForm = text.parse().unwrap();
             for step in 0..60 {
                 let x = DVec3::new(0.1, -0.05, 0.025 * f64::from(step));
                 let gamma = |p: DVec3| extension(shape.distance(x + r * p), 1.0 / r);
@@ -180,11 +180,11 @@ mod tests {
     #[test]
     fn volumes_far_in_and_out_are_full_and_empty() {
         let ball = 4.0 / 3.0 * PI;
-        let shape: Shape = "sphere:0,0,0,5".parse().unwrap();
+        let shape: ClosedForm = "sphere:0,0,0,5".parse().unwrap();
         assert!((shape.volume(1.0, DVec3::new(0.0, 3.9, 0.0)) - ball).abs() < 1e-12 * ball);
         assert_eq!(shape.volume(1.0, DVec3::new(0.0, 7.1, 0.0)), 0.0);
         assert!((shape.volume(1.0, DVec3::ZERO) - ball).abs() < 1e-12 * ball);
-        let tank: Shape = "inverted-box:-1,-1,-1,1,1,1".parse().unwrap();
+        let tank: ClosedForm = "inverted-box:-1,-1,-1,1,1,1".parse().unwrap();
         assert_eq!((tank.distance(DVec3::ZERO), tank.distance(DVec3::splat(2.0))), (1.0, -(3f64.sqrt())));
     }
 
@@ -200,7 +200,7 @@ mod tests {
             "box:0,0,0,1,1,0",
             "sphere:0,0,0,inf",
         ] {
-            assert!(text.parse::<Shape>().is_err(), "{text}");
+            assert!(text.parse::<ClosedForm>().is_err(), "{text}");
         }
     }
 }

@@ -12,7 +12,7 @@
 
 use super::model::{Model, Solid};
 use super::reference::{ExactIntegrals, OwnIntegrals, Reference, shape_volume};
-use super::shape::Shape;
+use super::shape::ClosedForm;
 use super::statistics::Measurement;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -103,7 +103,7 @@ pub struct Measuring<'a> {
     /// The solid.
     pub solid: Option<&'a Solid>,
     /// The shape that the mesh stands for.
-    pub shape: Option<Shape>,
+    pub shape: Option<ClosedForm>,
     /// Compare with the paper's rule on the exact distance too, at so many points.
     pub gl100_mesh_points: usize,
     /// Points at which integrals on the exact distance are found.

@@ -8,7 +8,7 @@
 use super::{baked, outcome, row, unit_cube_input};
 use crate::error::Error;
 use crate::experiments::Outcome;
-use crate::report::shape::{Shape, ShapeKind};
+use crate::report::shape::{ClosedForm, ShapeKind};
 use glam::DVec3;
 use std::f64::consts::PI;
 use volmap_bake::plan::{GridChoice, MapSettings};
@@ -115,7 +115,7 @@ fn means(settings: &PlaneSettings, rule: Rule, start: f64, watch: &Watch) -> Res
     let asset = baked(unit_cube_input()?, map, watch)?.asset;
     let map = VolumeMap::from_asset(&asset)?;
     let plane =
-        Shape { kind: ShapeKind::HalfSpace { point: 0.5 * DVec3::X, normal: DVec3::X }, invert: false };
+        ClosedForm { kind: ShapeKind::HalfSpace { point: 0.5 * DVec3::X, normal: DVec3::X }, invert: false };
     let steps = f64::from(settings.steps);
     let mut means = Means::default();
     for step in 0..settings.steps {

@@ -3,7 +3,7 @@
 //! What is added is the mean of that over the step, -(1 - e^(-k dt)) / dt v, so that a fluid without other forces has
 //! exactly e^(-k t) of its velocity after t seconds, in steps of any length.
 
-use super::{Defect, Force, Step};
+use super::{Defect, Force, ForceStep};
 use crate::channels::Channels;
 use crate::pairs::Quad;
 use crate::particles::CHUNK;
@@ -32,7 +32,13 @@ impl Force for Damping {
         Err(Defect { key: "rate", reason })
     }
 
-    fn accelerate(&mut self, step: &Step, velocities: &[Quad], _: &mut Channels, accelerations: &mut [Quad]) {
+    fn accelerate(
+        &mut self,
+        step: &ForceStep,
+        velocities: &[Quad],
+        _: &mut Channels,
+        accelerations: &mut [Quad],
+    ) {
         let factor = ((-self.rate * step.dt).exp_m1() / step.dt) as f32;
         let all = accelerations.par_iter_mut().zip(velocities).with_min_len(CHUNK);
         all.for_each(|(out, velocity)| {

@@ -1,6 +1,6 @@
 //! Gravity of the fluid. Bodies have their own: see [`Bodies::new`](crate::bodies::Bodies::new).
 
-use super::{Force, Step};
+use super::{Force, ForceStep};
 use crate::channels::Channels;
 use crate::pairs::Quad;
 use crate::particles::CHUNK;
@@ -19,7 +19,7 @@ impl Force for Gravity {
         "gravity"
     }
 
-    fn accelerate(&mut self, _: &Step, _: &[Quad], _: &mut Channels, accelerations: &mut [Quad]) {
+    fn accelerate(&mut self, _: &ForceStep, _: &[Quad], _: &mut Channels, accelerations: &mut [Quad]) {
         let gravity = self.acceleration.as_vec3().to_array();
         accelerations.par_iter_mut().with_min_len(CHUNK).for_each(|out| {
             for axis in 0..3 {

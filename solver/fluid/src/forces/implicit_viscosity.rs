@@ -16,7 +16,7 @@
 
 mod carried;
 
-use super::{Force, Solved, Step};
+use super::{Force, ForceStep, Solved};
 use crate::boundary::Boundary;
 use crate::channels::{ChannelDeclaration, Channels, Initial};
 use crate::coupling::Motions;
@@ -84,7 +84,12 @@ impl Force for ImplicitViscosity {
         self.viscosity > 0.0
     }
 
-    fn solve(&mut self, step: &Step, velocities: &mut [Quad], channels: &mut Channels) -> Option<Solved> {
+    fn solve(
+        &mut self,
+        step: &ForceStep,
+        velocities: &mut [Quad],
+        channels: &mut Channels,
+    ) -> Option<Solved> {
         if self.viscosity == 0.0 && step.boundary.drags().next().is_none() {
             return None;
         }

@@ -1,6 +1,6 @@
 //! Explicit viscosity: Monaghan 2005; Eq. 16 of Bender et al. 2020.
 
-use super::{Force, Step};
+use super::{Force, ForceStep};
 use crate::channels::Channels;
 use crate::pairs::Quad;
 use crate::pairs::velocities::{self, Motion};
@@ -36,7 +36,13 @@ impl Force for Viscosity {
         self.longest_step
     }
 
-    fn accelerate(&mut self, step: &Step, velocities: &[Quad], _: &mut Channels, accelerations: &mut [Quad]) {
+    fn accelerate(
+        &mut self,
+        step: &ForceStep,
+        velocities: &[Quad],
+        _: &mut Channels,
+        accelerations: &mut [Quad],
+    ) {
         if self.viscosity == 0.0 {
             return;
         }

@@ -1,7 +1,7 @@
 //! XSPH: Schechter and Bridson 2012, *Ghost SPH for Animating Water*. Velocities go a part of the way to those of
 //! their neighbours.
 
-use super::{Force, Step};
+use super::{Force, ForceStep};
 use crate::channels::Channels;
 use crate::pairs::Quad;
 use crate::pairs::velocities::{self, Motion};
@@ -20,7 +20,13 @@ impl Force for Xsph {
         "xsph"
     }
 
-    fn accelerate(&mut self, step: &Step, velocities: &[Quad], _: &mut Channels, accelerations: &mut [Quad]) {
+    fn accelerate(
+        &mut self,
+        step: &ForceStep,
+        velocities: &[Quad],
+        _: &mut Channels,
+        accelerations: &mut [Quad],
+    ) {
         if self.part == 0.0 {
             return;
         }

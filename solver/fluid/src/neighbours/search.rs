@@ -1,7 +1,7 @@
 //! The search for neighbours: the particles of a cell share the candidates of its 27 cells, which are laid side by
 //! side, and each compares itself with all of them, eight at a time.
 
-use crate::blocks::{Block, surroundings};
+use crate::blocks::{CellBlock, surroundings};
 use crate::cells::Cells;
 use crate::pairs::Quad;
 use crate::pairs::lanes::{LANES, Lanes};
@@ -41,7 +41,7 @@ impl Search {
     pub fn begin(
         &mut self,
         cells: &Cells,
-        block: &Block,
+        block: &CellBlock,
         places: &[Quad],
         lists: &mut Lists,
         table: &mut Quads,
@@ -65,7 +65,7 @@ impl Search {
     }
 
     #[inline(always)]
-    fn find_cells(&mut self, cells: &Cells, block: &Block) {
+    fn find_cells(&mut self, cells: &Cells, block: &CellBlock) {
         let [min, max] = block.occupied;
         (self.corner, self.size) = (min - 1, max - min + 3);
         self.cells.clear();

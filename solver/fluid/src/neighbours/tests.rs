@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::fields::Fields;
-use crate::pairs::lanes::{Plain, Work};
+use crate::pairs::lanes::{Plain, Vectorized};
 use crate::pairs::{Pair, SLICE};
 use crate::particles::Particles;
 use std::ops::Range;

@@ -5,7 +5,7 @@
 //! bits, which are all in it.
 #![allow(unsafe_code)]
 
-use super::lanes::{Group, LANES, Lanes, Work};
+use super::lanes::{Group, LANES, Lanes, Vectorized};
 use super::table::{Numbers, Quads, ROOM};
 use super::{Pair, Quad, Row, SLICE};
 use std::arch::x86_64::*;
@@ -17,7 +17,7 @@ pub(crate) struct Avx(__m256);
 
 /// Does the work with [`Avx`], if this processor has AVX2 and POPCNT; else gives it back.
 #[inline]
-pub(crate) fn run<W: Work>(work: W) -> Option<W> {
+pub(crate) fn run<W: Vectorized>(work: W) -> Option<W> {
     if !(is_x86_feature_detected!("avx2") && is_x86_feature_detected!("popcnt")) {
         return Some(work);
     }
@@ -27,7 +27,7 @@ pub(crate) fn run<W: Work>(work: W) -> Option<W> {
 }
 
 #[target_feature(enable = "avx2,popcnt")]
-fn with_avx2<W: Work>(work: W) {
+fn with_avx2<W: Vectorized>(work: W) {
     work.run::<Avx>();
 }
 

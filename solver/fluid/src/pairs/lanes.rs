@@ -120,7 +120,7 @@ fn number(place: u16) -> usize {
 }
 
 /// What can be done with any [`Lanes`].
-pub(crate) trait Work {
+pub(crate) trait Vectorized {
     /// Must be inlined, to be compiled for the processor that has the lanes.
     fn run<V: Lanes>(self);
 }

@@ -1,6 +1,6 @@
 //! The sums over the neighbours of a block's particles. Each takes a [table](super::table) of what is summed.
 
-use super::lanes::{Lanes, Work};
+use super::lanes::{Lanes, Vectorized};
 use super::lists::Lists;
 use super::table::{Numbers, Quads};
 use super::{Quad, Row, SLICE, Symmetric, dispatch};
@@ -71,7 +71,7 @@ pub(super) struct Accelerations<'a> {
     pub work: Room<'a, Quad>,
 }
 
-impl Work for Accelerations<'_> {
+impl Vectorized for Accelerations<'_> {
     #[inline(always)]
     fn run<V: Lanes>(self) {
         let Room { sums, out } = self.work;
@@ -97,7 +97,7 @@ pub(super) struct Fluxes<'a> {
     pub work: Room<'a, f32>,
 }
 
-impl Work for Fluxes<'_> {
+impl Vectorized for Fluxes<'_> {
     #[inline(always)]
     fn run<V: Lanes>(self) {
         let Room { sums, out } = self.work;
@@ -126,7 +126,7 @@ pub(super) struct OfBends<'a> {
     pub out: &'a mut [Quad],
 }
 
-impl Work for OfBends<'_> {
+impl Vectorized for OfBends<'_> {
     #[inline(always)]
     fn run<V: Lanes>(self) {
         for (particles, rows) in self.lists.slices() {

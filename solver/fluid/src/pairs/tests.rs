@@ -1,7 +1,7 @@
 //! Sums over neighbours against slow ones over all pairs, in f64.
 
 use super::kernels::{CubicSpline, Poly6, SMALL, Spiky, WendlandC2};
-use super::lanes::{LANES, Lanes, Plain, Work};
+use super::lanes::{LANES, Lanes, Plain, Vectorized};
 use super::lists::Lists;
 use super::sums::Room;
 use super::table::{Numbers, Quads};
