@@ -66,7 +66,7 @@ impl Neighbours {
         let blocks = blocks::divide(cells, places.len()).unwrap();
         densities.resize(places.len(), Density::default());
         let sought = Sought { with, bends: true };
-        let build = |block: &Block| {
+        let build = |block: &CellBlock| {
             let (mut lists, mut room, mut table) = (Lists::default(), Room::default(), Quads::default());
             let out = &mut densities[block.particles.clone()];
             let (room, table, into) = (&mut room, &mut table, &mut lists);
