@@ -51,7 +51,8 @@ fn reader_written_from_the_specification_agrees() {
 }
 
 /// An L with a hole, in two dimensions.
-const OUTLINE: &str = "v 0 0 0\nv 1 0 0\nv 1 0.4 0\nv 0.4 0.4 0\nv 0.4 1 0\nv 0 1 0\nv 0.1 0.1 0\nv 0.2 0.1 0\nv 0.2 0.2 0\n\
+const OUTLINE: &str = "v 0 0 0\nv 1 0 0\nv 1 0.4 0\nv 0.4 0.4 0\nv 0.4 1 0\nv 0 1 0\nv 0.1 0.1 0\nv 0.2 0.1 0\nv \
+    0.2 0.2 0\n\
                        l 1 2 3 4 5 6 1\nl 7 8 9 7\n";
 
 #[test]

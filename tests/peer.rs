@@ -108,7 +108,8 @@ fn compare(name: &str, mesh: &str, scale: f64) {
         }
     }
     println!(
-        "{name:7} {:5} nodes: distance {worst_phi:.1e} m, volume {worst_volume:.1e} of the ball, {worst_relative:.1e} relative",
+        "{name:7} {:5} nodes: distance {worst_phi:.1e} m, volume {worst_volume:.1e} of the ball, \
+        {worst_relative:.1e} relative",
         peer.nodes.len()
     );
     assert!(worst_phi < 1e-7, "{name}: distances differ by {worst_phi}");

@@ -338,7 +338,8 @@ fn shards_make_the_whole() {
 #[test]
 fn limits_end_an_asset_and_not_the_batch() {
     let place = Place::new(&[("a", 1.0), ("b", 1.5)], SOME);
-    let slow = "[[assets]]\nmesh = \"meshes/b.obj\"\ntimeout = 0.05\nbake = { cell_size = 0.01, quadrature = \"gl30\" }\n";
+    let slow = "[[assets]]\nmesh = \"meshes/b.obj\"\ntimeout = 0.05\nbake = { cell_size = 0.01, quadrature = \
+        \"gl30\" }\n";
     place.write("assets.toml", &format!("version = 1\n{SOME}{slow}"));
     let (code, text) = place.batch("out", &[]);
     assert_eq!((code, &*place.outcomes("out")["a"]), (Some(1), "built"), "{text}");

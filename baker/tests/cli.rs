@@ -413,7 +413,8 @@ fn catches_interrupts(process: u32) -> bool {
 /// A cube of 8 m with its lowest x at the given coordinate.
 fn cube_at(x: f64) -> String {
     let corner = |i: u32| format!("v {} {} {}\n", x + f64::from(8 * (i & 1)), 8 * (i >> 1 & 1), 8 * (i >> 2));
-    let faces = "f 1 3 4\nf 1 4 2\nf 5 6 8\nf 5 8 7\nf 1 2 6\nf 1 6 5\nf 3 7 8\nf 3 8 4\nf 1 5 7\nf 1 7 3\nf 2 4 8\nf 2 8 6\n";
+    let faces = "f 1 3 4\nf 1 4 2\nf 5 6 8\nf 5 8 7\nf 1 2 6\nf 1 6 5\nf 3 7 8\nf 3 8 4\nf 1 5 7\nf 1 7 3\nf 2 4 \
+        8\nf 2 8 6\n";
     (0..8).map(corner).collect::<String>() + faces
 }
 

@@ -97,10 +97,11 @@ fn fits(map: &VolumeMap, kind: ClosureKind, kernel: &Kernel) -> Result<(), Closu
     }
     let kernel_radius = kernel.support_radius();
     let (needed, found) = (kind.map_radius(kernel_radius), map.support_radius());
-    if !((found - needed).abs() <= SAME_RADIUS * needed) {
-        return Err(ClosureError::MapRadius { kind, kernel_radius, needed, found });
+    // Not so of NaN either.
+    match (found - needed).abs() <= SAME_RADIUS * needed {
+        true => Ok(()),
+        false => Err(ClosureError::MapRadius { kind, kernel_radius, needed, found }),
     }
-    Ok(())
 }
 
 impl Closure {

@@ -1,5 +1,8 @@
 //! The examples run, and what they assert holds.
 
+// Each example has the ball that it samples.
+#![allow(clippy::duplicate_mod)]
+
 #[path = "../examples/batch.rs"]
 mod batch;
 #[path = "../examples/pose.rs"]

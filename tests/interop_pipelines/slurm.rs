@@ -111,7 +111,8 @@ fn write_settings(folder: &Path, slurmd: &Path) {
     std::fs::write(folder.join("slurm.conf"), settings).unwrap();
     std::fs::create_dir(folder.join("state")).unwrap();
     std::fs::create_dir(folder.join("spool")).unwrap();
-    // Without control groups, which containers may not have. Up to 23.02 that means: version 1, and nothing that uses it.
+    // Without control groups, which containers may not have. Up to 23.02 that means: version 1, and nothing that uses
+    // it.
     let version = run(Command::new(slurmd).arg("-V"));
     let year = version.split_whitespace().last().and_then(|number| number.split('.').next());
     let is_new = year.and_then(|year| year.parse().ok()).is_some_and(|year: u32| year >= 24);

@@ -1,4 +1,5 @@
-//! Volume maps and density maps in two dimensions: Bender et al. 2020, sections 4.2, 4.3 and 5, as its Fig. 11 compares them.
+//! Volume maps and density maps in two dimensions: Bender et al. 2020, sections 4.2, 4.3 and 5, as its Fig. 11 compares
+//! them.
 //!
 //! - [`outline`]: the distance to closed lines, and the bake of a file;
 //! - [`disc`]: quadrature over the disc;
@@ -8,8 +9,9 @@
 //! V(x)            = integral over |xi| <= r of g(Phi(x + xi)) d xi                     (Eq. 12; an area, m^2)
 //! rho_B(x) / rho0 = integral over |xi| <= r of gamma(Phi(x + xi)) W(|xi|) d xi         (Eq. 9)
 //! ```
-//! g is Eq. 13, gamma Eq. 11 ([`crate::density_map`]), W is normalised in the plane. As in space, Phi in the integrals is the
-//! interpolated field, by the runtime's own element. Maps in two dimensions are small: nothing here is fast but what is simple.
+//! g is Eq. 13, gamma Eq. 11 ([`crate::density_map`]), W is normalised in the plane. As in space, Phi in the integrals
+//! is the interpolated field, by the runtime's own element. Maps in two dimensions are small: nothing here is fast but
+//! what is simple.
 
 pub mod disc;
 pub mod outline;
@@ -49,7 +51,8 @@ pub fn require_space(asset: &Asset, command: &'static str) -> Result<(), Error> 
 /// What a map depends on beside the surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AreaSettings {
-    /// Support radius r, metres; by default a twentieth of the box's diagonal, rounded to 1, 2 or 5 times a power of ten.
+    /// Support radius r, metres; by default a twentieth of the box's diagonal, rounded to 1, 2 or 5 times a power of
+    /// ten.
     pub support_radius: Option<f64>,
     /// How the cells are chosen; a resolution's third number plays no part, and a tolerance isn't searched for.
     pub grid: GridChoice,
@@ -126,8 +129,8 @@ impl AreaDensity {
 /// Cells of a grid, at most: all of them are asked for their distance.
 const MAX_CELLS: u64 = 1 << 24;
 
-/// Bakes a signed distance (metres, 1-Lipschitz, negative inside the solid) whose zero line lies in the box `bounds`. Already
-/// inverted and moved by the thickness; what the file says of bake and source is left empty.
+/// Bakes a signed distance (metres, 1-Lipschitz, negative inside the solid) whose zero line lies in the box `bounds`.
+/// Already inverted and moved by the thickness; what the file says of bake and source is left empty.
 ///
 /// # Errors
 /// Settings that contradict each other or the surface; cancelled.
@@ -249,8 +252,8 @@ fn layer(low: DVec2, high: DVec2, radius: f64, settings: &AreaSettings) -> Resul
     })
 }
 
-/// Phi wherever a disc around a node of the band needs it, on cells around the grid too: its area is 0. Deep enough for gamma,
-/// which is not cut at 1: 2 r to the band's edge, a diagonal and a half to the node, r of the disc.
+/// Phi wherever a disc around a node of the band needs it, on cells around the grid too: its area is 0. Deep enough for
+/// gamma, which is not cut at 1: 2 r to the band's edge, a diagonal and a half to the node, r of the disc.
 fn distance_field(
     grid: &Grid,
     radius: f64,

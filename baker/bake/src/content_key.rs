@@ -1,5 +1,5 @@
-//! What an asset's bytes follow from, as one hash that stands in the asset: the mesh's bytes and those of the files that it
-//! refers to, every parameter, the version of the algorithm. Names and times of files are no part of it.
+//! What an asset's bytes follow from, as one hash that stands in the asset: the mesh's bytes and those of the files
+//! that it refers to, every parameter, the version of the algorithm. Names and times of files are no part of it.
 
 use crate::error::Error;
 use crate::input::{self, Input};
@@ -11,8 +11,8 @@ use std::path::{Path, PathBuf};
 use volmap_formats::asset::{Asset, Value};
 use volmap_formats::mesh::{self, MeshFormat};
 
-/// Raised whenever the same mesh and parameters give other values than before, or the file another form. A test pins values
-/// to it.
+/// Raised whenever the same mesh and parameters give other values than before, or the file another form. A test pins
+/// values to it.
 pub const ALGORITHM_VERSION: u32 = 1;
 
 /// The asset's attribute (of `bake`) that holds the key.

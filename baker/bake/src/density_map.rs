@@ -9,9 +9,9 @@
 //! rho_B(x) / rho0 = integral over |xi| <= r of gamma(Phi(x + xi)) W(|xi|) d xi                        (Eq. 9)
 //! gamma(Phi) = 1 - Phi / r for Phi < r, else 0                                                        (Eq. 11)
 //! ```
-//! gamma is not cut at 1: it grows on into the solid, as Eq. 11 says and as the authors' own programs do. So the density
-//! of a half space is 1 - Phi / r wherever Phi <= -r, its gradient doesn't vanish there, and what a ball needs of Phi
-//! reaches r deeper than the band.
+//! gamma is not cut at 1: it grows on into the solid, as Eq. 11 says and as the authors' own programs do. So the
+//! density of a half space is 1 - Phi / r wherever Phi <= -r, its gradient doesn't vanish there, and what a ball needs
+//! of Phi reaches r deeper than the band.
 
 mod cells;
 pub mod cost;

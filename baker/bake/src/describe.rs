@@ -171,7 +171,11 @@ fn sign_warnings(summary: &Summary, maps: &Maps, out: &mut Vec<String>) {
     // Sheets have nodes that rounding puts inside.
     let inside = -1e-9 * summary.plan.support_radius;
     if !maps.distance.iter().any(|phi| *phi < inside) {
-        out.push("no node lies inside: the map has no solid; give sheets a --thickness, and thin parts smaller cells".into());
+        out.push(
+            "no node lies inside: the map has no solid; give sheets a --thickness, and thin parts smaller \
+            cells"
+                .into(),
+        );
     }
     let leaks = leaks(summary.plan.grid.resolution, &maps.cells);
     if leaks > 0 {

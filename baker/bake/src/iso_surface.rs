@@ -40,7 +40,8 @@ impl fmt::Display for IsoSurface {
     }
 }
 
-/// The surface Phi = `iso` (metres) of a map; by default the points at which the map is asked are at thirds of its cells.
+/// The surface Phi = `iso` (metres) of a map; by default the points at which the map is asked are at thirds of its
+/// cells.
 ///
 /// # Errors
 /// A distance beyond the band, or too many points; cancelled.

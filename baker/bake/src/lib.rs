@@ -60,7 +60,8 @@
 //!
 //! - A distance of one's own must be 1-Lipschitz and negative inside; that is not checked. One that is not may lose
 //!   cells of the band.
-//! - Meshes with holes get a sign by the winding number, which is a guess there. [`summary::Summary::warnings`] says so.
+//! - Meshes with holes get a sign by the winding number, which is a guess there. [`summary::Summary::warnings`] says
+//!   so.
 //! - The estimates of memory and time are right to a factor of 2 for smooth surfaces.
 //! - Examining a mesh and building its tree, seconds for millions of triangles, aren't interrupted in their middle.
 //!

@@ -1,7 +1,7 @@
 //! What a mesh is made of, what is wrong with it, and turning its triangles the same way.
 //!
-//! `topology` sorts the edges, `boundary` follows the rims of holes, `parts` splits the mesh, `nesting`
-//! finds what lies inside what, by `crossings`, `fans` go round the vertices, `diagnosis` reports all of it and `orientation` repairs
+//! `topology` sorts the edges, `boundary` follows the rims of holes, `parts` splits the mesh, `nesting` finds what lies
+//! inside what, by `crossings`, `fans` go round the vertices, `diagnosis` reports all of it and `orientation` repairs
 //! the direction of the triangles. `preparation` does all of it once.
 
 pub mod boundary;

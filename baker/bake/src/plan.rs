@@ -148,7 +148,8 @@ pub(crate) fn support_radius(extent: &Extent, settings: &MapSettings) -> Result<
     let [least, most] = SUPPORT_RADII;
     if !(least..=most).contains(&radius) {
         let reason = format!(
-            "{radius:.3e} m is outside {least:e} to {most:e} m; check the mesh's size ({diagonal:.3e} m), `unit` and `scale`"
+            "{radius:.3e} m is outside {least:e} to {most:e} m; check the mesh's size ({diagonal:.3e} m), `unit` \
+            and `scale`"
         );
         return Err(Error::setting("support_radius", reason));
     }

@@ -1,8 +1,9 @@
 //! Exact signed distance to a triangle mesh, and its discretisation on a sparse band of cells.
 //!
-//! `bvh` finds the closest triangles of points that lie together (`packet`), `closest_point` the point and the feature of it, `pseudonormal`
-//! or `winding` the side, and `mesh_distance` puts them together. `sign` decides which of the two
-//! signs a mesh can bear. `band` finds the cells near the surface, `field` samples their nodes. `brute_force` is the slow twin that the tests compare with.
+//! `bvh` finds the closest triangles of points that lie together (`packet`), `closest_point` the point and the feature
+//! of it, `pseudonormal` or `winding` the side, and `mesh_distance` puts them together. `sign` decides which of the two
+//! signs a mesh can bear. `band` finds the cells near the surface, `field` samples their nodes. `brute_force` is the
+//! slow twin that the tests compare with.
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;

@@ -240,7 +240,8 @@ fn found_cells(found: &Found) -> String {
     let tried: Vec<String> =
         found.tried.iter().map(|(cell, max)| format!("{} m: {}", digits(*cell), percent(*max))).collect();
     format!(
-        "{} of the ball: largest error {} at {} points of the fluid, rms {}, against {} on the exact distance\n           \
+        "{} of the ball: largest error {} at {} points of the fluid, rms {}, against {} on the exact distance\n     \
+              \
          tried {}",
         percent(found.tolerance),
         percent(found.error.max),

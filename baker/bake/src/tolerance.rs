@@ -35,7 +35,8 @@ const STEP: f64 = std::f64::consts::FRAC_1_SQRT_2;
 const STALLED: f64 = 0.8;
 /// Tolerances that can be asked for: parts of the full ball.
 pub const TOLERANCES: [f64; 2] = [5e-4, 0.5];
-/// From this tolerance on the coarser reference is fine enough: its own error is 0.06 % of the ball, the other's 0.02 %.
+/// From this tolerance on the coarser reference is fine enough: its own error is 0.06 % of the ball, the other's 0.02
+/// %.
 const COARSE_FROM: f64 = 5e-3;
 
 /// What was found.
@@ -174,7 +175,8 @@ impl<D: SignedDistance> Tries<'_, D> {
 /// The error doesn't fall as it should.
 fn stalled(tolerance: f64, cell: f64, max: f64) -> Error {
     let reason = format!(
-        "smaller cells don't bring the error to {}: it stays at {} at cells of {cell:.4} m. Where a mesh is open the sign \
+        "smaller cells don't bring the error to {}: it stays at {} at cells of {cell:.4} m. Where a mesh is open \
+        the sign \
          jumps, which no cell follows: close it; or take a finer `quadrature` or a larger tolerance",
         percent(tolerance),
         percent(max)
@@ -244,7 +246,8 @@ impl Reference {
             return Ok(());
         }
         let reason = format!(
-            "the quadrature {rule} itself is wrong by up to {} of the ball; take a finer one (chord12, chord16, chord20), \
+            "the quadrature {rule} itself is wrong by up to {} of the ball; take a finer one (chord12, chord16, \
+            chord20), \
              or a larger tolerance. Where a mesh is open the sign jumps, which no rule follows: close it, or give the \
              cells by `cell_size`",
             percent(error.max)

@@ -1,4 +1,5 @@
-//! Maps in two dimensions against closed forms: half plane, disc, corners. Bender et al. 2020, Eq. 9 and 12 in the plane.
+//! Maps in two dimensions against closed forms: half plane, disc, corners. Bender et al. 2020, Eq. 9 and 12 in the
+//! plane.
 
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;

@@ -65,8 +65,8 @@ pub struct BatchResult {
     pub unwritten: Option<Error>,
 }
 
-/// Runs a batch of the assets of a manifest and writes its summary. `cancel` ends it soon: workers are ended, finished assets
-/// stay.
+/// Runs a batch of the assets of a manifest and writes its summary. `cancel` ends it soon: workers are ended, finished
+/// assets stay.
 ///
 /// # Errors
 /// What keeps a batch from beginning: a folder that can't be used. Whatever comes later stands in the summary.

@@ -4,14 +4,15 @@
 //! manifest -> assets (globs, effective parameters) -> state (content keys) -> queue -> worker pool
 //!          -> make (bake, gates, preview, report) -> summary -> page, junit
 //! ```
+//!
 //! # Tour
+//!
 //! - [`manifest`] reads a manifest, [`assets::expand`] finds its meshes and what holds for each.
 //! - [`engine::run`] runs a batch, [`check::check`] says what it would do, [`verify::verify`] whether a folder is up to
-//! date.
+//!   date.
 //! - Inside, [`state`] decides what to do with each asset by its content key; [`queue`] hands out jobs, the longest
-//! first,
-//!   within threads and memory; [`pool`] runs them in worker processes, which are the program itself with the argument
-//!   [`process::WORKER`] and call [`worker::run`].
+//!   first, within threads and memory; [`pool`] runs them in worker processes, which are the program itself with the
+//!   argument [`process::WORKER`] and call [`worker::run`].
 //! - [`summary::Summary`] is the result: [`publish::publish`] writes it as JSON, as an HTML page and for build servers.
 //!
 //! ```
@@ -25,7 +26,9 @@
 //! let found = expand(&manifest, folder.path()).unwrap();
 //! assert_eq!((found.assets.len(), found.assets[0].name.as_str()), (1, "duck"));
 //! ```
+//!
 //! # Guarantees
+//!
 //! An asset appears whole, after all that belongs to it, or not at all: a batch that was killed goes on with what is
 //! missing. A crash, a timeout or too much memory fails one asset only. Bytes of assets don't depend on jobs, threads
 //! or shards. Files that no batch made are left alone.

@@ -65,8 +65,8 @@ pub fn make(task: &MakeTask, watch: &Watch) -> Result<MakeResult, Error> {
     })
 }
 
-/// What an asset says of its mesh's name and of the program are those of another day; with today's it is what a bake would
-/// give.
+/// What an asset says of its mesh's name and of the program are those of another day; with today's it is what a bake
+/// would give.
 fn reuse(path: &Path, task: &MakeTask, recipe: &Recipe) -> Option<(Asset, Vec<u8>, Option<PathBuf>)> {
     let (mut asset, mut bytes) = read_same(path, &task.identity.key)?;
     let names =

@@ -6,16 +6,16 @@
 //!       -> export -> VTKHDF, VTI, PLY, CDM        import: CDM -> Asset
 //! experiments (rows, targets, a paper's figures) <- reproduce
 //! ```
+//!
 //! # Tour
+//!
 //! - [`report::report`] measures an asset, with its mesh or without, and gives [`report::findings::Findings`]: a
-//! verdict,
-//!   statistics of errors and of their parts, thin places. [`report::page::page`] makes an HTML page of them.
+//!   verdict, statistics of errors and of their parts, thin places. [`report::page::page`] makes an HTML page of them.
 //! - [`slice::slice`] draws a field of a map on a plane.
 //! - [`export`] and [`import`] write and read files of other programs.
 //! - [`info`] and [`points`] describe an asset, and ask a map at points.
 //! - [`experiments`] is the frame of experiments, which knows no map: choose them by name, run them, print a table or
-//! JSON.
-//!   [`reproduce`] has the paper's experiments with maps in it.
+//!   JSON. [`reproduce`] has the paper's experiments with maps in it.
 //!
 //! The program `examples/report.rs` bakes a sphere, measures it and prints the verdict.
 //!

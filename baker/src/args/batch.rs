@@ -49,7 +49,8 @@ pub struct BatchArguments {
     #[arg(long, value_name = "I/N", value_parser = shard_of, help_heading = "Several machines")]
     pub shard: Option<Shard>,
     /// Join the summaries of all shards in this folder, and exit
-    #[arg(long, value_name = "FOLDER", conflicts_with_all = ["inputs", "out", "shard", "check"], help_heading = "Several machines")]
+    #[arg(long, value_name = "FOLDER", conflicts_with_all = ["inputs", "out", "shard", "check"],
+        help_heading = "Several machines")]
     pub merge: Option<PathBuf>,
 
     /// Jobs that run at once [default: as many as threads]

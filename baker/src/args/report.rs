@@ -34,7 +34,8 @@ pub struct ReportArguments {
     #[arg(long, value_name = "N", default_value_t = ReportSettings::default().points, value_parser = points)]
     points: usize,
     /// How many of them are compared with the mesh
-    #[arg(long, value_name = "N", default_value_t = ReportSettings::default().mesh_points, value_parser = points_or_none)]
+    #[arg(long, value_name = "N", default_value_t = ReportSettings::default().mesh_points,
+        value_parser = points_or_none)]
     mesh_points: usize,
     /// How many of them by order 100 on the exact distance too, about 20 ms each
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = points_or_none)]

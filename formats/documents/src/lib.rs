@@ -63,7 +63,8 @@ impl Kind {
     /// Reads a document and checks it.
     ///
     /// # Errors
-    /// A file that can't be read; an unknown key, a wrong type, a value that fails the check, each with line and column.
+    /// A file that can't be read; an unknown key, a wrong type, a value that fails the check, each with line and
+    /// column.
     pub fn load<T: DeserializeOwned>(
         &self,
         path: &Path,

@@ -130,7 +130,8 @@ mod tests {
 
     #[test]
     fn the_same_key_is_found_in_both_syntaxes() {
-        let json = "{ \"a\": \"}\\\"b\", \"x\": [1, {\"b\": 2}],\n  \"b\": [ {\"c\": {}},\n {\"e\": -1.5e3, \"c\": {\"d\": 7}} ] }";
+        let json = "{ \"a\": \"}\\\"b\", \"x\": [1, {\"b\": 2}],\n  \"b\": [ {\"c\": {}},\n {\"e\": -1.5e3, \"c\": \
+            {\"d\": 7}} ] }";
         let at = locate(json, Syntax::Json, &PATH);
         assert!(json[at..].starts_with("\"d\": 7"), "{}", &json[at..]);
         assert_eq!(line_and_column(json, at), (3, 22));

@@ -1,7 +1,8 @@
 //! Experiments with the fluids of [`volmap_fluid`]: cases whose answer is known, and experiments of the papers.
 //!
 //! ```text
-//! Experiment -> run: setups made in Rust, simulated, measured -> Outcome: rows with targets, charts -> table, JSON, PNG
+//! Experiment -> run: setups made in Rust, simulated, measured -> Outcome: rows with targets, charts
+//!            -> table, JSON, PNG
 //! ```
 //!
 //! # Running experiments

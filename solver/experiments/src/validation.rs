@@ -3,8 +3,8 @@
 //! ```text
 //! Experiment -> run: scenes made here, simulated, measured -> Outcome: rows with targets, charts -> table, JSON, PNG
 //! ```
-//! Some of them are in Bender et al. 2020, *Implicit Frictional Boundary Handling for SPH*, section 5. Their results are in
-//! VALIDATION.md.
+//! Some of them are in Bender et al. 2020, *Implicit Frictional Boundary Handling for SPH*, section 5. Their results
+//! are in VALIDATION.md.
 
 pub mod dam_break;
 pub mod floats;

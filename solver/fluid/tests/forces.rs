@@ -16,7 +16,7 @@ fn apart(gravity: DVec3, rate: f64) -> Result<Simulation, volmap_fluid::Error> {
     let velocities: Vec<[f32; 3]> = (0..10_u8).map(|n| [0.1 * f32::from(n), 1.0, -0.5]).collect();
     let mut particles = Particles::default();
     particles.add(&places, &velocities);
-    let forces = ForceSettings { damping: Some(Damping { rate }), ..ForceSettings::default() };
+    let forces = ForceSettings { damping: Some(Damping { rate }) };
     let bodies = Bodies::new(Vec::new(), gravity)?;
     Simulation::new(Setup { forces, ..Setup::new(world, particles, bodies) })
 }

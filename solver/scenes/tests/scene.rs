@@ -127,7 +127,8 @@ fn unknown_keys_are_placed_and_the_likely_one_named() {
 
 #[test]
 fn json_errors_have_places_too() {
-    let text = "{ \"version\": 1, \"particle_radius\": 0.1,\n  \"bodies\": [\n    { \"mesh\": \"a.obj\",\n      \"materiel\": {} } ] }";
+    let text = "{ \"version\": 1, \"particle_radius\": 0.1,\n  \"bodies\": [\n    { \"mesh\": \"a.obj\",\n      \
+        \"materiel\": {} } ] }";
     let error = json(text).unwrap_err();
     assert_eq!(error, "s.json:4:7: unknown key `materiel`; did you mean `material`?");
     let error = json(&text.replace("materiel\": {}", "material\": { \"friction\": -1 }")).unwrap_err();

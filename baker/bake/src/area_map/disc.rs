@@ -1,10 +1,10 @@
 //! Quadrature over the disc of the support radius.
 //!
-//! - `gl<p>`, the paper's, in the plane: a tensor product of Gauss-Legendre rules over the square [-r, r]^2, points outside the
-//!   disc left out (Bender et al. 2020, section 5). Order p: floor(p / 2) + 1 points an axis.
-//! - `disc<n>`: a product rule of the disc itself (Stroud 1971, *Approximate Calculation of Multiple Integrals*, section 2.6):
-//!   n Gauss-Legendre points in the radius, weighted by it, and 4 n equispaced angles, turned by half a step from one radius
-//!   to the next.
+//! - `gl<p>`, the paper's, in the plane: a tensor product of Gauss-Legendre rules over the square [-r, r]^2, points
+//!   outside the disc left out (Bender et al. 2020, section 5). Order p: floor(p / 2) + 1 points an axis.
+//! - `disc<n>`: a product rule of the disc itself (Stroud 1971, *Approximate Calculation of Multiple Integrals*,
+//!   section 2.6): n Gauss-Legendre points in the radius, weighted by it, and 4 n equispaced angles, turned by half a
+//!   step from one radius to the next.
 
 use crate::volume_map::quadrature::gauss_legendre;
 use glam::DVec2;

@@ -1,4 +1,5 @@
-//! The distance to closed lines in the plane, and what a file of them becomes: Bender et al. 2020, Eq. 10, in two dimensions.
+//! The distance to closed lines in the plane, and what a file of them becomes: Bender et al. 2020, Eq. 10, in two
+//! dimensions.
 
 use super::{AreaSettings, bake};
 use crate::error::Error;

@@ -90,8 +90,8 @@ pub fn measure(mesh: &TriangleMesh, settings: &MapSettings, watch: &Watch) -> Re
     Ok(Costs { volume: cost(seconds(&[Stage::Volume])), density: cost(seconds(&[Stage::Density])) })
 }
 
-/// Bytes of a map of two fields in the paper's program, every cell stored: per field 8 a node, 32 numbers of 4 a cell for
-/// its nodes, and 4 a cell for its place.
+/// Bytes of a map of two fields in the paper's program, every cell stored: per field 8 a node, 32 numbers of 4 a cell
+/// for its nodes, and 4 a cell for its place.
 pub fn paper_bytes(resolution: [u32; 3]) -> u64 {
     let [x, y, z] = resolution.map(u64::from);
     let corners = (x + 1) * (y + 1) * (z + 1);

@@ -2,8 +2,8 @@
 //! side by side fit: no ambiguous cases, hence closed surfaces. Payne and Toga 1990, *Surface Mapping Brain Function on
 //! 3D Models*.
 //!
-//! A corner of the cube is a mask, bit a for the upper side of axis a. The edges of the tetrahedra go from a mask to one
-//! that has its bits and more.
+//! A corner of the cube is a mask, bit a for the upper side of axis a. The edges of the tetrahedra go from a mask to
+//! one that has its bits and more.
 
 /// An edge from a corner of the cube to a higher one.
 pub type Edge = [u8; 2];

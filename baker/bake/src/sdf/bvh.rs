@@ -2,8 +2,8 @@
 //!
 //! Four children a node, each a cache line with a box in single precision that is turned along the surface
 //! (`oriented_box`); up to four triangles a leaf, in single and double precision. Points that lie close together search
-//! together (`packet`). `bvh_build` builds the tree, `bvh_query` searches it. Boxes are enlarged and search radii are rounded up by more than they can err, so that single
-//! precision costs a few visits, never a wrong answer.
+//! together (`packet`). `bvh_build` builds the tree, `bvh_query` searches it. Boxes are enlarged and search radii are
+//! rounded up by more than they can err, so that single precision costs a few visits, never a wrong answer.
 
 use crate::sdf::closest_point::TriangleBlock;
 use crate::sdf::coarse_block::CoarseBlock;

@@ -109,9 +109,9 @@ impl MeshDistance {
         self.side(&mut self.distance_near(p, None))
     }
 
-    /// Distance and closest point, faster where they are known at a point not far away. Where the way is shorter than the distance, there is no surface between
-    /// the points, so that a mesh with integer winding numbers has one side there. The result is the same whatever is
-    /// known.
+    /// Distance and closest point, faster where they are known at a point not far away. Where the way is shorter than
+    /// the distance, there is no surface between the points, so that a mesh with integer winding numbers has one side
+    /// there. The result is the same whatever is known.
     pub fn distance_near(&self, p: DVec3, near: Option<&KnownDistance>) -> KnownDistance {
         if let Some(same) = near.filter(|near| near.point == p) {
             return *same;

@@ -81,7 +81,8 @@ pub(super) fn viscosity(at: &At, fluid: &FluidSettings, solver: &SolverSettings,
     let (key, least) = if step.adaptive { ("min", step.min) } else { ("initial", step.initial) };
     at.require("viscosity", least <= limit, || {
         format!(
-            "{} m^2/s needs time steps of at most {limit:.2e} s; solver.time_step.{key} is {least:e} s; viscosity_method = \
+            "{} m^2/s needs time steps of at most {limit:.2e} s; solver.time_step.{key} is {least:e} s; \
+            viscosity_method = \
              \"implicit\" takes longer ones",
             fluid.viscosity
         )

@@ -158,7 +158,8 @@ impl<'a> Library<'a> {
         let file = source.path().display();
         let invert = invert(&shape.map);
         let reason = format!(
-            "{file} was baked for a support radius of {has} m, but closure `{}` takes one of {needs} m here; bake its mesh \
+            "{file} was baked for a support radius of {has} m, but closure `{}` takes one of {needs} m here; bake \
+            its mesh \
              again with support_radius = {needs}{invert}, or name the mesh in the scene instead",
             self.closure
         );
@@ -203,7 +204,8 @@ impl<'a> Library<'a> {
         let file = source.path().display();
         let (radius, invert) = (self.support_radius, invert(&shape.map));
         let reason = format!(
-            "{file} can't be used with boundary = \"density_map\": {defect}; name the mesh in the scene instead, or bake it \
+            "{file} can't be used with boundary = \"density_map\": {defect}; name the mesh in the scene instead, or \
+            bake it \
              again with support_radius = {radius}{invert}, density = true, kernel = \"{kernel}\" (its gamma ends at r, \
              as in the paper, and the fluid keeps farther from walls)"
         );
@@ -214,7 +216,8 @@ impl<'a> Library<'a> {
         let (cell, most) = (map.grid().cell_size.max_element(), COARSE * self.cell_size);
         if map.exterior() == Exterior::Solid && cell > most {
             self.notes.push(format!(
-                "{}: cells of {cell} m are coarse for a container: where walls meet, particles find them up to {:.3} m too \
+                "{}: cells of {cell} m are coarse for a container: where walls meet, particles find them up to \
+                {:.3} m too \
                  near; bake with cells of a quarter of the support radius",
                 path.display(),
                 0.25 * cell
