@@ -124,19 +124,18 @@ impl Channels {
         }
     }
 
-    /// As [`Particles::reorder`](crate::particles::Particles::reorder).
-    pub(crate) fn reorder(&mut self, order: &[u32], spare: &mut Channels) {
-        if !spare.are_those_of(self) {
-            *spare = self.clone();
+    /// Writes the channels in a new order, which may leave some particles out: old indices.
+    pub(crate) fn reorder_into(&self, order: &[u32], out: &mut Channels) {
+        if !out.are_those_of(self) {
+            *out = self.clone();
         }
-        for (channel, spare) in self.list.iter().zip(&mut spare.list) {
-            match (&channel.values, &mut spare.values) {
+        for (channel, out) in self.list.iter().zip(&mut out.list) {
+            match (&channel.values, &mut out.values) {
                 (ChannelValues::Numbers(of), ChannelValues::Numbers(out)) => reorder(of, order, out),
                 (ChannelValues::Vectors(of), ChannelValues::Vectors(out)) => reorder(of, order, out),
                 _ => unreachable!("of one declaration"),
             }
         }
-        std::mem::swap(self, spare);
     }
 
     /// Whether they are declared as others are.
@@ -195,12 +194,10 @@ mod tests {
         channels.declare(AGE, 2).unwrap();
         channels.numbers_mut("age").copy_from_slice(&[5.0, 6.0]);
         channels.resize(4);
-        let mut spare = Channels::default();
+        let mut out = Channels::default();
         for _ in 0..2 {
-            channels.reorder(&[3, 1, 0], &mut spare);
-            assert_eq!(channels.numbers_mut("age"), [2.0, 6.0, 5.0]);
-            channels.resize(4);
-            channels.numbers_mut("age").copy_from_slice(&[5.0, 6.0, 0.0, 2.0]);
+            channels.reorder_into(&[3, 1, 0], &mut out);
+            assert_eq!(out.numbers_mut("age"), [2.0, 6.0, 5.0]);
         }
     }
 

@@ -69,9 +69,39 @@ impl Particles {
         reorder(&self.velocities, order, &mut spare.velocities);
         reorder(&self.pressures, order, &mut spare.pressures);
         reorder(&self.divergence_pressures, order, &mut spare.divergence_pressures);
-        self.channels.reorder(order, &mut spare.channels);
+        self.channels.reorder_into(order, &mut spare.channels);
         reorder(&self.ids, order, &mut spare.ids);
         spare.next_id = self.next_id;
         std::mem::swap(self, spare);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::channels::{ChannelDeclaration, Initial};
+
+    #[test]
+    fn everything_goes_with_its_particle() {
+        let declare = |name, initial| ChannelDeclaration { name, initial, in_frames: true };
+        let mut particles = Particles::default();
+        let at = |n: u32| DVec3::new(f64::from(n), 0.0, 0.0);
+        particles.add(&[at(0), at(1), at(2)], &[[0.0; 3], [1.0; 3], [2.0; 3]]);
+        particles.channels.declare(declare("mark", Initial::Number(9.0)), 3).unwrap();
+        particles.channels.declare(declare("spin", Initial::Vector([9.0; 3])), 3).unwrap();
+        particles.channels.numbers_mut("mark").copy_from_slice(&[0.0, 1.0, 2.0]);
+        particles.channels.vectors_mut("spin").copy_from_slice(&[[0.0; 3], [1.0; 3], [2.0; 3]]);
+        let mut spare = Particles::default();
+        for order in [&[2, 0, 1][..], &[1, 2, 0], &[2, 0]] {
+            particles.reorder(order, &mut spare);
+            let ids: Vec<f32> = particles.ids.iter().map(|&id| id as f32).collect();
+            assert!(particles.positions.iter().map(|x| x.x as f32).eq(ids.iter().copied()));
+            assert!(particles.velocities.iter().map(|v| v[0]).eq(ids.iter().copied()));
+            assert_eq!(particles.channels.numbers_mut("mark"), ids);
+            assert!(particles.channels.vectors_mut("spin").iter().map(|s| s[2]).eq(ids.iter().copied()));
+        }
+        particles.add(&[at(3)], &[[3.0; 3]]);
+        assert_eq!(particles.channels.numbers_mut("mark")[2], 9.0, "a new one begins as declared");
+        assert!(particles.is_even());
     }
 }
