@@ -38,7 +38,7 @@ fn other_programs_read_the_particles() {
         let path = folder.path().join(format!("frame_000001.{}", format.extension()));
         particles::write(&path, format, &frame).unwrap();
     }
-    let files = [(0.25, "frame_000001.vtu".to_owned())];
+    let files = [particles::CollectionEntry { time: 0.25, file: "frame_000001.vtu".to_owned() }];
     particles::write_collection(&folder.path().join("particles.pvd"), &files).unwrap();
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("interop/check_simulation.py");
     let mut command = std::process::Command::new(python());
