@@ -7,7 +7,7 @@
 //! A [`Force`] has settings, a limit on the time step, [channels](crate::channels) of the particles, and does one of
 //! two things: it adds accelerations, or it solves for new velocities. [`ForceSettings`] lists those that a scene can
 //! ask for by a table of their own, `[forces.NAME]`; a program can add others of its own by
-//! [`Setup::forces`](crate::setup::Setup::forces).
+//! [`Setup::own_forces`](crate::setup::Setup::own_forces).
 
 pub mod damping;
 pub mod gravity;
