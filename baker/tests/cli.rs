@@ -691,7 +691,7 @@ fn an_experiment_of_the_paper_is_run_by_its_name() {
     assert_eq!(list.lines().count(), 4);
     assert!(list.contains("density map and a volume map"), "{list}");
     let table = output(volmap(&folder).args(["reproduce", "plane"]));
-    assert!(table.contains("1.600·10⁻⁵ m^3") && table.contains("  ratio"), "{table}");
+    assert!(table.contains("1.600e-5 m^3") && table.contains("  ratio"), "{table}");
     let both: serde_json::Value =
         serde_json::from_str(&output(volmap(&folder).args(["reproduce", "plane", "dragon", "--json"])))
             .unwrap();

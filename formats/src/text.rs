@@ -4,14 +4,15 @@
 //! use volmap_formats::text::{bytes, number, printable, thousands};
 //!
 //! assert_eq!(number(0.012_345), "0.0123");
-//! assert_eq!(number(2.5e9), "2.50·10⁹");
+//! assert_eq!(number(2.5e9), "2.50e9");
+//! assert_eq!(volmap_formats::text::typeset(&number(-2.5e9)), "−2.50·10⁹");
 //! assert_eq!(thousands(1_234_567), "1,234,567");
 //! assert_eq!(bytes(45_600), "45.6 kB");
 //! assert_eq!(printable("red: \u{1b}[31m"), "red: \u{fffd}[31m");
 //! ```
 //! No function of the system's mathematics library is used, so the text is the same on every machine.
 
-/// A number with three digits, as `0.0123`, `12,345`, `1.20·10⁻⁵`.
+/// A number with three digits, as `-0.0123`, `12,345`, `1.20e-5`, in characters that another program reads.
 pub fn number(value: f64) -> String {
     significant(value, 3)
 }
@@ -21,7 +22,7 @@ pub fn number(value: f64) -> String {
 pub fn significant(value: f64, digits: usize) -> String {
     let more = digits.clamp(1, 17) - 1;
     if value == 0.0 || !value.is_finite() {
-        return minus(&value.to_string());
+        return value.abs().to_string().replace("inf", if value < 0.0 { "-inf" } else { "inf" });
     }
     let rounded: f64 = format!("{value:.more$e}").parse().unwrap_or(value);
     match exponent(rounded) {
@@ -30,9 +31,9 @@ pub fn significant(value: f64, digits: usize) -> String {
             let decimals = decimals + usize::try_from(-power).unwrap_or(0);
             // Whole numbers keep all their digits.
             let value = if decimals == 0 { value } else { rounded };
-            minus(&grouped(without_zeros(&format!("{value:.decimals$}"))))
+            grouped(without_zeros(&format!("{value:.decimals$}")))
         }
-        power => minus(&format!("{:.more$}·{}", rounded / ten_to(power), power_of_ten(power))),
+        power => format!("{:.more$}e{power}", rounded / ten_to(power)),
     }
 }
 
@@ -63,6 +64,19 @@ pub fn duration(seconds: f64) -> String {
         s @ 60..3600 => format!("{} min {} s", s / 60, s % 60),
         s => format!("{} h {} min", s / 3600, s % 3600 / 60),
     }
+}
+
+/// A number or a percentage of this module as a page or a picture has it: `-1.20e-5` is `−1.20·10⁻⁵`.
+pub fn typeset(number: &str) -> String {
+    let (number, unit) = number.split_once(' ').map_or((number, None), |(number, unit)| (number, Some(unit)));
+    let number = match number.split_once('e') {
+        Some((digits, power)) => match power.parse() {
+            Ok(power) => format!("{}·{}", minus(digits), power_of_ten(power)),
+            Err(_) => minus(number),
+        },
+        None => minus(number),
+    };
+    unit.map_or(number.clone(), |unit| format!("{number} {unit}"))
 }
 
 /// `10⁻⁵`.
@@ -143,25 +157,35 @@ mod tests {
     fn numbers_are_short() {
         let cases = [
             (0.0, "0"),
-            (1.2e-5, "1.20·10⁻⁵"),
-            (-0.012345, "−0.0123"),
+            (1.2e-5, "1.20e-5"),
+            (-0.012345, "-0.0123"),
             (0.5, "0.5"),
             (99.96, "100"),
             (0.09996, "0.1"),
             (123.4, "123"),
-            (-12345.6, "−12,346"),
-            (9.996e-5, "1.00·10⁻⁴"),
-            (2.5e9, "2.50·10⁹"),
+            (-12345.6, "-12,346"),
+            (9.996e-5, "1.00e-4"),
+            (2.5e9, "2.50e9"),
             (998_400.0, "998,400"),
-            (999_999.4, "1.00·10⁶"),
-            (-1e-300, "−1.00·10⁻³⁰⁰"),
+            (999_999.4, "1.00e6"),
+            (-1e-300, "-1.00e-300"),
             (f64::INFINITY, "inf"),
-            (f64::NEG_INFINITY, "−inf"),
+            (f64::NEG_INFINITY, "-inf"),
         ];
         for (value, text) in cases {
             assert_eq!(number(value), text);
         }
         assert_eq!(number(f64::NAN), "NaN");
+        for (plain, set) in [
+            ("-1.20e-5 %", "−1.20·10⁻⁵ %"),
+            ("2.50e9", "2.50·10⁹"),
+            ("-12,346", "−12,346"),
+            ("-0", "0"),
+            ("-inf", "−inf"),
+            ("NaN", "NaN"),
+        ] {
+            assert_eq!(typeset(plain), set);
+        }
     }
 
     #[test]
@@ -172,8 +196,8 @@ mod tests {
             (1234.5, 4, "1,234"),
             (1234.5, 6, "1,234.5"),
             (0.001, 4, "0.001"),
-            (4.944e-4, 4, "4.944·10⁻⁴"),
-            (49_943_122.733_5, 4, "4.994·10⁷"),
+            (4.944e-4, 4, "4.944e-4"),
+            (49_943_122.733_5, 4, "4.994e7"),
             (5.0, 1, "5"),
         ];
         for (value, digits, text) in cases {

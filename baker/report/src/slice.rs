@@ -13,7 +13,7 @@ use volmap_figures::picture::{
     contours, section,
 };
 use volmap_formats::mesh::TriangleMesh;
-use volmap_formats::text::number;
+use volmap_formats::text::{number, typeset};
 use volmap_runtime::{Sample, VolumeMap};
 
 /// What is shown.
@@ -180,7 +180,7 @@ fn lines(raster: &Raster, distances: &[f64], settings: &SliceSettings, mesh: Opt
     if !settings.contours.is_empty() {
         let values: Vec<f64> = raster.pixels.iter().map(value).collect();
         let curves = settings.contours.iter().flat_map(|level| contours(lattice, &values, *level)).collect();
-        let levels: Vec<String> = settings.contours.iter().map(|level| number(*level)).collect();
+        let levels: Vec<String> = settings.contours.iter().map(|level| typeset(&number(*level))).collect();
         let Quantity { name, unit } = quantity(settings.field);
         let colour = if matches!(colouring(settings.field), Colouring::Linear(ColourMap::BlueRed, _)) {
             BLACK

@@ -1,6 +1,6 @@
 //! What a page says.
 
-use volmap_formats::text::number;
+use volmap_formats::text::{number, typeset};
 
 /// A page.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -195,7 +195,7 @@ impl Cell {
 
     /// A number with three digits.
     pub fn number(value: f64) -> Cell {
-        Cell::written(number(value), value)
+        Cell::written(typeset(&number(value)), value)
     }
 
     /// A number that is written in another way.

@@ -1,7 +1,7 @@
 //! Scales with round ticks. No function of the system's mathematics library is used, as their last bits differ from
 //! machine to machine.
 
-use volmap_formats::text::{exponent, minus, number, power_of_ten, ten_to};
+use volmap_formats::text::{exponent, minus, number, power_of_ten, ten_to, typeset};
 
 /// From numbers to places on an axis, with labelled ticks.
 #[derive(Clone, Debug, PartialEq)]
@@ -103,14 +103,14 @@ fn log_ticks([low, high]: [f64; 2], most: usize) -> Vec<(f64, String)> {
     if ticks.len() > 1 {
         ticks
     } else {
-        linear_ticks([low, high], most).0.into_iter().map(|(v, _)| (v, number(v))).collect()
+        linear_ticks([low, high], most).0.into_iter().map(|(v, _)| (v, typeset(&number(v)))).collect()
     }
 }
 
 fn decade_label(value: f64) -> String {
     let power = exponent(value * (1.0 + 1e-9));
     if (-3..=3).contains(&power) {
-        return number(value);
+        return typeset(&number(value));
     }
     match (value / ten_to(power)).round() {
         1.0 => power_of_ten(power),

@@ -85,7 +85,7 @@ mod tests {
         let text = to_text("rest", &outcome);
         let lines: Vec<&str> = text.lines().collect();
         assert!(lines[2].contains("0.9 to 1.1 rp  1.25 rp ") && lines[2].ends_with("  NOT met"), "{text}");
-        assert!(lines[3].contains("1.200·10⁻⁴ m/s") && lines[3].ends_with(" met"), "{text}");
+        assert!(lines[3].contains("1.200e-4 m/s") && lines[3].ends_with(" met"), "{text}");
         assert!(lines[4].ends_with("12,345"), "{text}");
         assert!(lines[5].ends_with("NOT met"), "{text}");
         assert!(lines[6].contains("as is"));

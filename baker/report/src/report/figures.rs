@@ -11,7 +11,7 @@ use volmap_figures::picture::{
     Quantity, Raster, Rgb, Series, contours, section,
 };
 use volmap_formats::mesh::TriangleMesh;
-use volmap_formats::text::number;
+use volmap_formats::text::{number, typeset};
 
 /// A picture.
 #[derive(Clone, Debug)]
@@ -40,7 +40,7 @@ fn slice_picture(slice: &ErrorSlice, mesh: Option<(&TriangleMesh, &str)>) -> Pic
     }
     let surface = contours(lattice, &slice.distance, 0.0);
     lines.push(Line { width: 0.7, ..Line::new("surface of the map", surface, BLACK) });
-    let plane = format!("{} = {}", lattice.plane.axis.name(), number(lattice.plane.at));
+    let plane = format!("{} = {}", lattice.plane.axis.name(), typeset(&number(lattice.plane.at)));
     let volume = Panel {
         title: format!("volume on {plane} m"),
         raster: slice.volume.clone(),

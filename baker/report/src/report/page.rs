@@ -5,7 +5,7 @@ use super::findings::{DensityErrors, DistanceErrors, Findings, ThinPlaces};
 use super::statistics::Statistics;
 use serde_json::Value as Json;
 use volmap_figures::page::{Block, Cell, Column, Image, Outcome, Page, Parameter, Section, Table, Verdict};
-use volmap_formats::text::{number, percent};
+use volmap_formats::text::{self, typeset};
 
 /// The page of the asset of this name.
 pub fn page(name: &str, findings: &Findings, pictures: Vec<Picture>) -> Page {
@@ -272,4 +272,12 @@ fn parameters(findings: &Findings) -> Section {
         Block::Details("The source".into(), vec![list(&asset.source)]),
     ];
     Section { title: "Parameters".into(), blocks }
+}
+
+fn number(value: f64) -> String {
+    typeset(&text::number(value))
+}
+
+fn percent(part: f64) -> String {
+    typeset(&text::percent(part))
 }
