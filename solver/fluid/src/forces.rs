@@ -12,6 +12,7 @@
 pub mod damping;
 pub mod gravity;
 pub mod implicit_viscosity;
+mod velocity_sums;
 pub mod viscosity;
 pub mod xsph;
 

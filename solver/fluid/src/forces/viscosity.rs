@@ -1,12 +1,11 @@
 //! Explicit viscosity: Monaghan 2005; Eq. 16 of Bender et al. 2020.
 
+use super::velocity_sums::add_sums;
 use super::{Force, ForceStep};
 use crate::channels::Channels;
 use crate::pairs::Quad;
-use crate::pairs::velocities::{self, Motion};
-use crate::pairs::workspace;
+use crate::pairs::velocities::laplacian;
 use crate::settings::{FluidSettings, World};
-use rayon::prelude::*;
 use std::f64::consts::PI;
 use volmap_runtime::Dimension;
 
@@ -46,21 +45,7 @@ impl Force for Viscosity {
         if self.viscosity == 0.0 {
             return;
         }
-        let (nu, with, places) = (self.viscosity as f32, step.with, step.places);
-        step.neighbours.with(accelerations).for_each(|(lists, out)| {
-            workspace::work(lists, |workspace| {
-                workspace.places.fill_places(lists.table(), places);
-                workspace.vectors.fill(lists.table(), velocities);
-                let motion = Motion { places: &workspace.places, velocities: &workspace.vectors };
-                let sums = &mut workspace.differences[..lists.len()];
-                velocities::laplacian(lists, with, motion, sums);
-                for (out, laplacian) in out.iter_mut().zip(sums) {
-                    for axis in 0..3 {
-                        out[axis] += nu * laplacian[axis];
-                    }
-                }
-            });
-        });
+        add_sums(step, velocities, self.viscosity as f32, laplacian, accelerations);
     }
 }
 

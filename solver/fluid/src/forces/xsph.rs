@@ -1,12 +1,11 @@
 //! XSPH: Schechter and Bridson 2012, *Ghost SPH for Animating Water*. Velocities go a part of the way to those of
 //! their neighbours.
 
+use super::velocity_sums::add_sums;
 use super::{Force, ForceStep};
 use crate::channels::Channels;
 use crate::pairs::Quad;
-use crate::pairs::velocities::{self, Motion};
-use crate::pairs::workspace;
-use rayon::prelude::*;
+use crate::pairs::velocities::mean_difference;
 
 /// Smoothing of the velocities.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,20 +29,6 @@ impl Force for Xsph {
         if self.part == 0.0 {
             return;
         }
-        let (rate, with, places) = ((self.part / step.dt) as f32, step.with, step.places);
-        step.neighbours.with(accelerations).for_each(|(lists, out)| {
-            workspace::work(lists, |workspace| {
-                workspace.places.fill_places(lists.table(), places);
-                workspace.vectors.fill(lists.table(), velocities);
-                let motion = Motion { places: &workspace.places, velocities: &workspace.vectors };
-                let sums = &mut workspace.differences[..lists.len()];
-                velocities::mean_difference(lists, with, motion, sums);
-                for (out, difference) in out.iter_mut().zip(sums) {
-                    for axis in 0..3 {
-                        out[axis] += rate * difference[axis];
-                    }
-                }
-            });
-        });
+        add_sums(step, velocities, (self.part / step.dt) as f32, mean_difference, accelerations);
     }
 }
