@@ -13,6 +13,7 @@
 //! is the interpolated field, by the runtime's own element. Maps in two dimensions are small: nothing here is fast but
 //! what is simple.
 
+mod crossings;
 pub mod disc;
 pub mod outline;
 

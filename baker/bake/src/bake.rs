@@ -23,6 +23,7 @@ use crate::mesh::{Diagnosis, OrientationRepair, Prepared, prepare};
 use crate::plan::{Extent, Plan, plan};
 pub use crate::recipe::BakeSettings;
 use crate::rows::positions;
+use crate::sdf::thin::ThinPlaces;
 use crate::sdf::{
     BoundaryDistance, ChangedDistance, MeshDistance, SignComparison, SignedDistance, compare_signs,
 };
@@ -135,7 +136,8 @@ impl PlannedBake {
             false => None,
         };
         self.clock.stop();
-        self.described(BakedMaps { phi, plan, maps, tolerance, sign_comparison })
+        let thin = ThinPlaces::find(&plan.grid, &maps.nodes, &maps.distance, &phi);
+        self.described(BakedMaps { phi, plan, maps, tolerance, sign_comparison, thin })
     }
 
     /// The grid and the fields on it, after a search if a tolerance is asked for.
@@ -157,14 +159,20 @@ impl PlannedBake {
 
     /// The asset, and what there is to say of it.
     fn described(self, baked: BakedMaps) -> Result<Bake, Error> {
-        let BakedMaps { phi, plan, maps, tolerance, sign_comparison } = baked;
-        let PlannedBake { input, settings, repair, diagnosis, extent, clock, .. } = self;
+        let BakedMaps { phi, plan, maps, tolerance, sign_comparison, thin } = baked;
+        let PlannedBake { input, settings, repair, mut diagnosis, extent, clock, .. } = self;
+        if phi.mesh.union_surface().is_some() && diagnosis.balanced {
+            diagnosis.volume = phi.mesh.volume();
+        }
         let mut summary = Summary {
             bounds: [extent.min, extent.max],
             diagnosis,
             repair,
             sign: phi.mesh.sign_choice().clone(),
             sign_comparison,
+            overlaps: phi.mesh.overlaps().clone(),
+            thin,
+            coordinate_step: input.coordinate_step,
             cells: CellCounts::of(&plan, &maps),
             nodes: maps.nodes.count(),
             tolerance,
@@ -198,6 +206,7 @@ struct BakedMaps {
     maps: Maps,
     tolerance: Option<Found>,
     sign_comparison: Option<SignComparison>,
+    thin: ThinPlaces,
 }
 
 /// Both signs at the nodes.

@@ -5,11 +5,13 @@ use crate::input::Input;
 use crate::maps::Maps;
 use crate::parameters::{self, Baked};
 use crate::recipe::BakeSettings;
+use crate::sdf::Overlaps;
 use crate::sdf::leaks::leaks;
 use crate::summary::Summary;
 use crate::tolerance::MeasuredError;
 use crate::volume_map::quadrature::Rule;
 use volmap_formats::asset::{Attributes, Value};
+use volmap_formats::text::{number, significant, thousands};
 
 fn attributes<const N: usize>(pairs: [(&str, Value); N]) -> Attributes {
     pairs.map(|(name, value)| (name.to_owned(), value)).into()
@@ -78,6 +80,11 @@ pub fn diagnosis(summary: &Summary) -> Attributes {
         ("inside_out_components", count(found.inside_out_components.count)),
         ("cavities", count(found.cavities.count)),
         ("nested_solids", count(found.nested_solids.count)),
+        ("overlapping_pairs", count(summary.overlaps.pairs)),
+        ("hidden_triangles", count(summary.overlaps.hidden)),
+        ("hidden_area", summary.overlaps.hidden_area.into()),
+        ("thin_walls", count(summary.thin.walls.count)),
+        ("thin_gaps", count(summary.thin.gaps.count)),
         ("flipped_triangles", count(repair.flipped_triangles)),
         ("welded_vertices", count(cleaning.welded)),
         ("degenerate_faces", count(cleaning.degenerate)),
@@ -97,12 +104,13 @@ pub fn diagnosis(summary: &Summary) -> Attributes {
     out
 }
 
-/// What a careful person would look at before using the asset. The texts stand in assets: other words would be other
-/// bytes, so these still name the command line's options.
+/// What a careful person would look at before using the asset. The texts stand in assets: other words are other bytes.
 pub fn warnings(summary: &Summary, maps: &Maps, settings: &BakeSettings) -> Vec<String> {
     let mut out = Vec::new();
     mesh_warnings(summary, &mut out);
-    sign_warnings(summary, maps, &mut out);
+    overlap_warning(summary, &mut out);
+    sign_warnings(summary, maps, settings, &mut out);
+    size_warnings(summary, settings, &mut out);
     let [low, high] = summary.plan.cut;
     let cut = low.iter().chain(&high).copied().fold(0.0, f64::max);
     if cut > 0.0 {
@@ -119,7 +127,10 @@ pub fn warnings(summary: &Summary, maps: &Maps, settings: &BakeSettings) -> Vec<
         ));
     }
     if settings.map.thickness != 0.0 {
-        out.push(format!("the surface is moved {} m out of the solid (--thickness)", settings.map.thickness));
+        out.push(format!(
+            "the surface is moved {} m out of the solid, by `thickness`",
+            settings.map.thickness
+        ));
     }
     out
 }
@@ -167,15 +178,93 @@ fn mesh_warnings(summary: &Summary, out: &mut Vec<String>) {
     }
 }
 
-fn sign_warnings(summary: &Summary, maps: &Maps, out: &mut Vec<String>) {
+fn overlap_warning(summary: &Summary, out: &mut Vec<String>) {
+    let Overlaps { pairs, hidden, hidden_area, place: at, certain } = &summary.overlaps;
+    let at = place(at.as_slice());
+    let area = significant(*hidden_area, 3);
+    if *certain && *hidden > 0 {
+        out.push(format!(
+            "parts overlap: {hidden} triangle{} {} inside the solid, in whole or in part ({area} m^2{at}), and {} no \
+             surface there: distance and volume are those of the union",
+            plural(*hidden),
+            if *hidden == 1 { "lies" } else { "lie" },
+            if *hidden == 1 { "is" } else { "are" }
+        ));
+    } else if !*certain && *pairs > 0 {
+        out.push(format!(
+            "parts overlap: {pairs} pair{} of triangles cross or cover each other{at}, and the mesh is open, so what \
+             lies inside can't be told for certain: of {hidden} triangle{}, what surely does is left out ({area} m^2), \
+             others may still count as surface; close the mesh",
+            plural(*pairs),
+            plural(*hidden)
+        ));
+    }
+}
+
+/// Lengths that the cells or the file can't resolve.
+fn size_warnings(summary: &Summary, settings: &BakeSettings, out: &mut Vec<String>) {
+    let cell = summary.thin.cell;
+    for (thin, what, result) in [
+        (&summary.thin.walls, "walls thinner", "the map may leak there or miss them"),
+        (&summary.thin.gaps, "gaps narrower", "the map may close them"),
+    ] {
+        if thin.count == 0 {
+            continue;
+        }
+        let cure = match settings.map.thickness == 0.0 && what.starts_with("walls") {
+            true => ", or a `thickness`, which thickens them",
+            false => "",
+        };
+        out.push(format!(
+            "{what} than a cell ({} m): a line of the grid goes through one some {} time{}, the thinnest {} m \
+             wide{}; {result}; cells of that size resolve them (`cell_size`){cure}",
+            number(cell),
+            thousands(thin.count as u64),
+            plural(thin.count),
+            significant(thin.width, 2),
+            place(&thin.places)
+        ));
+    }
+    if let Some(step) = summary.coordinate_step.filter(|step| *step > COARSEST_STEP * cell) {
+        out.push(format!(
+            "the file's coordinates lie {} m apart, at cells of {} m: they look rounded, to single precision or few \
+             digits, as happens far from the origin; write the mesh near the origin, or in double precision",
+            significant(step, 2),
+            number(cell)
+        ));
+    }
+}
+
+/// Steps of the coordinates that are no matter, as a part of a cell.
+const COARSEST_STEP: f64 = 0.1;
+
+/// Why a map has no solid.
+fn no_solid(summary: &Summary) -> String {
+    let found = &summary.diagnosis;
+    let cure = if found.inside_out_components.count > 0 {
+        "its faces point inwards: turn them (without `keep_orientation`, parts that are inside out are turned), or \
+         `invert` the map if the fluid is inside"
+    } else if summary.overlaps.pairs > 0 && found.balanced {
+        "its faces lie on each other the opposite way round, so that they enclose nothing: delete one of each two"
+    } else {
+        "give sheets a `thickness`, and thin parts smaller cells"
+    };
+    format!("no node lies inside: the map has no solid; {cure}")
+}
+
+fn sign_warnings(summary: &Summary, maps: &Maps, settings: &BakeSettings, out: &mut Vec<String>) {
     // Sheets have nodes that rounding puts inside.
-    let inside = -1e-9 * summary.plan.support_radius;
-    if !maps.distance.iter().any(|phi| *phi < inside) {
-        out.push(
-            "no node lies inside: the map has no solid; give sheets a --thickness, and thin parts smaller \
-            cells"
-                .into(),
-        );
+    let rounding = 1e-9 * summary.plan.support_radius;
+    if !maps.distance.iter().any(|phi| *phi < -rounding) {
+        out.push(no_solid(summary));
+    }
+    if !maps.distance.iter().any(|phi| *phi > rounding) {
+        let cure = match (settings.map.invert, settings.map.thickness > 0.0) {
+            (_, true) => "the `thickness` fills it; take a smaller one",
+            (true, _) => "the container has no inside; check its faces, and `invert`",
+            (false, _) => "the domain lies inside the solid; check `domain` and `invert`",
+        };
+        out.push(format!("no node lies outside: nothing is left for the fluid; {cure}"));
     }
     let leaks = leaks(summary.plan.grid.resolution, &maps.cells);
     if leaks > 0 {

@@ -1,5 +1,6 @@
 //! From a mesh file to the mesh that is baked: read, clean, place.
 
+use crate::coordinates::coordinate_step;
 use crate::error::Error;
 use glam::DVec3;
 use serde::Serialize;
@@ -32,6 +33,8 @@ pub struct Input {
     pub placement: Placement,
     /// Vertices this close are one, in the file's unit.
     pub weld_tolerance: f64,
+    /// Step of the file's numbers, metres, where they look rounded.
+    pub coordinate_step: Option<f64>,
 }
 
 /// Where a mesh comes from.
@@ -112,10 +115,13 @@ const ARRAYS: &str = "arrays";
 fn cleaned(raw: RawMesh, source: MeshSource, settings: &InputSettings) -> Result<Input, MeshError> {
     let unit = settings.unit.or(raw.unit).unwrap_or(1.0);
     let placement = Placement { unit, ..settings.placement };
+    let step = coordinate_step(&raw.positions);
     let clean_settings = CleanSettings { weld_tolerance: settings.weld_tolerance };
     let (mut mesh, cleaning) = mesh::clean(raw, &clean_settings)?;
     placement.apply(&mut mesh)?;
-    Ok(Input { mesh, source, cleaning, placement, weld_tolerance: settings.weld_tolerance })
+    let scale = placement.scale.into_iter().fold(0.0, |most: f64, scale| most.max(scale.abs()));
+    let coordinate_step = step.map(|step| step * unit * scale);
+    Ok(Input { mesh, source, cleaning, placement, weld_tolerance: settings.weld_tolerance, coordinate_step })
 }
 
 /// Lowest and highest corner of a mesh's box, metres.

@@ -75,6 +75,7 @@ pub mod area_map;
 pub mod bake;
 mod clock;
 pub mod content_key;
+mod coordinates;
 pub mod density_map;
 pub mod describe;
 pub mod error;

@@ -2,7 +2,8 @@
 //!
 //! `bvh` finds the closest triangles of points that lie together (`packet`), `closest_point` the point and the feature
 //! of it, `pseudonormal` or `winding` the side, and `mesh_distance` puts them together. `sign` decides which of the two
-//! signs a mesh can bear. `band` finds the cells near the surface, `field` samples their nodes. `brute_force` is the
+//! signs a mesh can bear, `union` which faces are its surface. `thin` finds walls and
+//! gaps that the cells can't resolve, by their `width`. `band` finds the cells near the surface, `field` samples their nodes. `brute_force` is the
 //! slow twin that the tests compare with.
 
 #[cfg(target_arch = "x86_64")]
@@ -26,6 +27,9 @@ pub mod pseudonormal;
 mod sides;
 pub mod sign;
 pub mod sign_comparison;
+pub mod thin;
+mod union;
+pub mod width;
 pub mod winding;
 
 pub use boundary_distance::{BoundaryDistance, ChangedDistance, SignedDistance};
@@ -33,3 +37,4 @@ pub use closest_point::{Closest, Feature};
 pub use mesh_distance::{KnownDistance, MeshDistance, Neighbours};
 pub use sign::{SignMethod, choose_sign};
 pub use sign_comparison::{SignComparison, compare_signs, points_near_surface};
+pub use union::{Overlaps, UnionSurface};

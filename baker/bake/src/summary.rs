@@ -4,8 +4,10 @@ use crate::input::MeshSource;
 use crate::maps::Maps;
 use crate::mesh::{Diagnosis, OrientationRepair};
 use crate::plan::Plan;
+use crate::sdf::Overlaps;
 use crate::sdf::sign::SignChoice;
 use crate::sdf::sign_comparison::SignComparison;
+use crate::sdf::thin::ThinPlaces;
 use crate::settings::density::DensitySettings;
 use crate::tolerance::Found;
 use glam::DVec3;
@@ -32,6 +34,12 @@ pub struct Summary {
     pub sign: SignChoice,
     /// Where the two signs differ, if that was asked for.
     pub sign_comparison: Option<SignComparison>,
+    /// What overlaps in the mesh.
+    pub overlaps: Overlaps,
+    /// Walls and gaps thinner than a cell.
+    pub thin: ThinPlaces,
+    /// Step of the file's numbers, metres, where they look rounded.
+    pub coordinate_step: Option<f64>,
     /// The grid and the estimate of the cost.
     pub plan: Plan,
     /// Cells of the grid, of the band and beyond it in the solid.
@@ -225,7 +233,7 @@ impl Summary {
             yes(found.manifold_edges && found.manifold_vertices, "manifold"),
             format!("{} component{}", found.components, if found.components == 1 { "" } else { "s" }),
         ];
-        if found.closed && found.oriented {
+        if found.closed && found.balanced {
             parts.push(format!("volume {} m^3", digits(found.volume)));
         }
         if found.cavities.count > 0 {

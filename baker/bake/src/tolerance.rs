@@ -8,6 +8,7 @@ use crate::error::Error;
 use crate::maps::{Maps, compute_maps};
 use crate::plan::{Extent, Plan, plan, support_radius};
 use crate::random::Random;
+use crate::sdf::thin::ThinPlaces;
 use crate::sdf::{Neighbours, SignedDistance};
 use crate::settings::{GridChoice, MapSettings, Precision};
 use crate::stage::Stage;
@@ -63,6 +64,16 @@ pub struct MeasuredError {
     pub rms: f64,
     /// Number of points.
     pub points: usize,
+}
+
+impl MeasuredError {
+    /// Of the points of both.
+    fn and(&self, other: &MeasuredError) -> MeasuredError {
+        let squares = |of: &MeasuredError| of.rms * of.rms * of.points as f64;
+        let points = self.points + other.points;
+        let rms = ((squares(self) + squares(other)) / points as f64).sqrt();
+        MeasuredError { max: self.max.max(other.max), rms, points }
+    }
 }
 
 /// A solid whose cells are to be chosen.
@@ -168,16 +179,39 @@ impl<D: SignedDistance> Tries<'_, D> {
     fn bake(&self, plan: Plan) -> Result<Try, Error> {
         let maps = compute_maps(&plan, self.settings.rule, self.problem.phi, self.watch)?;
         let error = self.reference.error(&plan, &maps, self.settings)?;
+        let at_thin = self.at_thin_places(&plan, &maps)?;
+        let error = at_thin.map_or(error, |thin| error.and(&thin));
         Ok(Try { cell_size: plan.grid.cell_size.x, plan, maps, error })
     }
+
+    /// The error beside walls and gaps thinner than the cells, if there are any: random points seldom meet them.
+    fn at_thin_places(&self, plan: &Plan, maps: &Maps) -> Result<Option<MeasuredError>, Error> {
+        let phi = self.problem.phi;
+        let Some(boundary) = phi.of_mesh() else { return Ok(None) };
+        let thin = ThinPlaces::find(&plan.grid, &maps.nodes, &maps.distance, boundary);
+        let places = thin.walls.places.iter().chain(&thin.gaps.places);
+        let near = places.flat_map(|&place| beside(DVec3::from(place), plan.support_radius));
+        let points: Vec<DVec3> = near.filter(|x| (0.0..plan.band_width).contains(&phi.at(*x))).collect();
+        if points.is_empty() {
+            return Ok(None);
+        }
+        let reference =
+            Reference::at(points, phi, self.reference.rule, self.reference.radius, &Work::default())?;
+        reference.error(plan, maps, self.settings).map(Some)
+    }
+}
+
+/// Points around one of the surface, a quarter of the support radius away.
+fn beside(place: DVec3, radius: f64) -> impl Iterator<Item = DVec3> {
+    DVec3::AXES.into_iter().flat_map(move |axis| [place - 0.25 * radius * axis, place + 0.25 * radius * axis])
 }
 
 /// The error doesn't fall as it should.
 fn stalled(tolerance: f64, cell: f64, max: f64) -> Error {
     let reason = format!(
-        "smaller cells don't bring the error to {}: it stays at {} at cells of {cell:.4} m. Where a mesh is open \
-        the sign \
-         jumps, which no cell follows: close it; or take a finer `quadrature` or a larger tolerance",
+        "smaller cells don't bring the error to {}: it stays at {} at cells of {cell:.4} m. Walls and gaps \
+         thinner than the cells stay as wrong until cells are as thin: see `thickness`. Where a mesh is open the sign \
+         jumps, which no cell follows: close it. Or take a finer `quadrature` or a larger tolerance",
         percent(tolerance),
         percent(max)
     );
@@ -227,8 +261,17 @@ impl Reference {
             return Err(Error::setting("tolerance", reason));
         }
         let rule = Rule::Chord(if tolerance >= COARSE_FROM { 12 } else { 20 });
-        let radius = plan.support_radius;
-        let volumes = integrals(problem.phi, &along_curve(rule.points()), radius, &points, work)?;
+        Reference::at(points, problem.phi, rule, plan.support_radius, work)
+    }
+
+    fn at(
+        points: Vec<DVec3>,
+        phi: &impl SignedDistance,
+        rule: Rule,
+        radius: f64,
+        work: &Work,
+    ) -> Result<Reference, Error> {
+        let volumes = integrals(phi, &along_curve(rule.points()), radius, &points, work)?;
         Ok(Reference { rule, radius, points, volumes })
     }
 

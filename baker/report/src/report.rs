@@ -13,6 +13,7 @@ pub mod findings;
 pub mod model;
 pub mod page;
 pub mod reference;
+pub mod reference_check;
 pub mod samples;
 pub mod shape;
 pub mod slices;
@@ -26,6 +27,7 @@ use figures::{Picture, slice_pictures, view_picture};
 use findings::{Findings, findings};
 use glam::DVec3;
 use model::{Model, Solid};
+use reference_check::{ReferenceCheck, check_reference};
 use shape::ClosedForm;
 use slices::ErrorSlice;
 use statistics::Measurement;
@@ -69,6 +71,9 @@ impl Default for ReportSettings {
         }
     }
 }
+
+/// Points at which the exact distance itself is checked, at most.
+const CHECKED: usize = 2_000;
 
 /// All that was measured.
 pub struct Report {
@@ -158,6 +163,8 @@ pub struct SurfaceFindings {
     pub errors: distance_error::DistanceErrors,
     /// Where signs differ.
     pub signs: volmap_bake::sdf::SignComparison,
+    /// What winding numbers say of the exact distance.
+    pub reference: ReferenceCheck,
     /// Widths of walls and gaps at points spread over the surface.
     pub widths: Vec<Width>,
 }
@@ -169,8 +176,7 @@ fn surface(
     points: &[DVec3],
     watch: &Watch,
 ) -> Result<SurfaceFindings, Error> {
-    let corner = |v: u32| DVec3::from(solid.mesh.vertices[v as usize]);
-    let corners: Vec<[DVec3; 3]> = solid.mesh.triangles.iter().map(|triangle| triangle.map(corner)).collect();
+    let (corners, numbers) = solid.phi.mesh.surface_triangles();
     let density = match &asset.density {
         Some(density) => density_error::measure(model, density, solid, points, watch)?,
         None => None,
@@ -179,6 +185,8 @@ fn surface(
     let near = points_near_surface(&corners);
     let work = watch.begin("comparing the signs", near.len() as u64)?;
     let signs = compare_signs(&solid.phi.mesh, &near, &work)?;
-    let widths = thin::widths(solid, &thin::spread(&corners), thin::reach(model), watch)?;
-    Ok(SurfaceFindings { density, errors, signs, widths })
+    let checked = &points[..points.len().min(CHECKED)];
+    let reference = check_reference(solid, checked, watch)?;
+    let widths = thin::widths(solid, &thin::spread(&corners, &numbers), thin::reach(model), watch)?;
+    Ok(SurfaceFindings { density, errors, signs, reference, widths })
 }

@@ -81,6 +81,7 @@ pub fn bake_made(mesh: TriangleMesh, map: MapSettings) -> Result<Bake, Error> {
         cleaning: CleanReport::default(),
         placement: Placement::default(),
         weld_tolerance: 0.0,
+        coordinate_step: None,
     };
     let settings = BakeSettings { map, ..BakeSettings::default() };
     Ok(bake(input, &settings, &Default::default())?)

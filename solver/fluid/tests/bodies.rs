@@ -43,6 +43,7 @@ fn thing(mesh: &TriangleMesh, invert: bool, resolution: [u32; 3]) -> Thing {
         cleaning: CleanReport::default(),
         placement: Placement::default(),
         weld_tolerance: 0.0,
+        coordinate_step: None,
     };
     let map = MapSettings {
         support_radius: Some(0.1),
@@ -452,4 +453,44 @@ fn forces_that_are_not_finite_stop_the_simulation() {
     for dt in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e9] {
         assert!(matches!(bodies.step(dt), Err(Error::Simulation { .. })));
     }
+}
+
+/// A cube twice, a micrometre apart, one in another, and two that overlap: mass, centre and inertia count what is there
+/// once.
+#[test]
+fn overlapping_parts_weigh_once() {
+    use volmap_bake::mesh::diagnose;
+    use volmap_bake::sdf::{MeshDistance, SignMethod};
+    let moved = |by: DVec3| {
+        let mut mesh = block(DVec3::splat(0.2));
+        mesh.vertices.iter_mut().for_each(|v| *v = (DVec3::from(*v) + by).to_array());
+        mesh
+    };
+    let joined = |parts: &[TriangleMesh]| {
+        let mut all = TriangleMesh::default();
+        for part in parts {
+            let first = all.vertices.len() as u32;
+            all.vertices.extend(&part.vertices);
+            all.triangles.extend(part.triangles.iter().map(|t| t.map(|v| v + first)));
+        }
+        MeshDistance::new(&all, SignMethod::Auto, &diagnose(&all)).union_mesh().unwrap()
+    };
+    let cube = Mass::of_mesh(&moved(DVec3::ZERO), 500.0).unwrap();
+    let mut small = moved(DVec3::ZERO);
+    small.vertices.iter_mut().flatten().for_each(|x| *x *= 0.5);
+    for other in [moved(DVec3::splat(1e-6)), small] {
+        let found = Mass::of_mesh(&joined(&[moved(DVec3::ZERO), other]), 500.0).unwrap();
+        assert!((found.mass / cube.mass - 1.0).abs() < 2e-5, "{}", found.mass);
+        assert!(found.centre.distance(cube.centre) < 1e-6);
+        assert!((found.inertia.x_axis.x / cube.inertia.x_axis.x - 1.0).abs() < 5e-5);
+    }
+    // Two cubes that overlap by half are a box of 0.3 m.
+    let found =
+        Mass::of_mesh(&joined(&[moved(DVec3::ZERO), moved(DVec3::new(0.1, 0.0, 0.0))]), 500.0).unwrap();
+    let mass = 500.0 * 0.3 * 0.2 * 0.2;
+    assert!((found.mass - mass).abs() < 1e-9 * mass);
+    let about_x = mass * (0.2f64.powi(2) + 0.2f64.powi(2)) / 12.0;
+    let about_y = mass * (0.3f64.powi(2) + 0.2f64.powi(2)) / 12.0;
+    assert!((found.inertia.x_axis.x - about_x).abs() < 1e-9 * about_x);
+    assert!((found.inertia.y_axis.y - about_y).abs() < 1e-9 * about_y);
 }

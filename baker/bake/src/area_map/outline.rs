@@ -1,6 +1,7 @@
 //! The distance to closed lines in the plane, and what a file of them becomes: Bender et al. 2020, Eq. 10, in two
 //! dimensions.
 
+use super::crossings::{crossings, doubled};
 use super::{AreaSettings, bake};
 use crate::error::Error;
 use crate::input::MeshSource;
@@ -132,9 +133,28 @@ pub fn warnings(asset: &Asset, phi: &OutlineDistance) -> Vec<String> {
         );
     }
     if !asset.signed_distance.to_f64().iter().any(|phi| *phi < 0.0) {
-        out.push("no node lies inside: the map has no solid; take smaller cells".into());
+        out.push(match doubled(&phi.segments) {
+            Some(at) => format!(
+                "no node lies inside: the map has no solid; its lines lie on each other, as at ({}), and what is enclosed \
+                 twice is outside: delete one of each two",
+                place(at)
+            ),
+            None => "no node lies inside: the map has no solid; take smaller cells".into(),
+        });
+    }
+    if let Some((count, at)) = crossings(&phi.segments) {
+        let s = if count == 1 { "" } else { "s" };
+        out.push(format!(
+            "lines cross or lie on each other at {count} place{s}, as at ({}): what is enclosed twice is outside, a hole; \
+             join outlines that overlap",
+            place(at)
+        ));
     }
     out
+}
+
+fn place(point: DVec2) -> String {
+    format!("{:.4}, {:.4}", point.x, point.y)
 }
 
 fn attributes<const N: usize>(pairs: [(&str, Value); N]) -> Attributes {

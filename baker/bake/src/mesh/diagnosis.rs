@@ -44,7 +44,7 @@ pub struct Diagnosis {
     pub triangles: usize,
     /// Number of components.
     pub components: usize,
-    /// Every edge has exactly two faces.
+    /// Every edge has an even number of faces: nothing has a rim.
     pub closed: bool,
     /// No edge with two faces is run through by both in the same direction.
     pub oriented: bool,
@@ -119,10 +119,10 @@ pub fn diagnose_with(
     let mut boundary_loops = boundary_loops(mesh, topology);
     let boundary_loop_count = boundary_loops.len();
     boundary_loops.truncate(MAX_LOOPS);
-    let closed = edges.boundary.count == 0 && edges.non_manifold.count == 0;
+    let closed = edges.closed;
     let oriented = edges.misoriented.count == 0;
     let euler = vertices as i64 - topology.edge_count() as i64 + mesh.triangles.len() as i64;
-    let manifold = closed && oriented && non_manifold_vertices.count == 0;
+    let manifold = closed && oriented && edges.non_manifold.count == 0 && non_manifold_vertices.count == 0;
     let mut diagnosis = Diagnosis {
         vertices,
         edges: topology.edge_count(),
@@ -179,6 +179,7 @@ struct EdgeDefects {
     non_manifold: Defect,
     misoriented: Defect,
     balanced: bool,
+    closed: bool,
 }
 
 fn examine_edges(mesh: &TriangleMesh, topology: &Topology) -> EdgeDefects {
@@ -187,10 +188,12 @@ fn examine_edges(mesh: &TriangleMesh, topology: &Topology) -> EdgeDefects {
         non_manifold: Defect::default(),
         misoriented: Defect::default(),
         balanced: true,
+        closed: true,
     };
     for edge in topology.edges() {
         let surplus = surplus(edge.sides.iter().copied());
         found.balanced &= surplus == 0;
+        found.closed &= edge.sides.len() % 2 == 0;
         match edge.sides.len() {
             1 => found.boundary.add(middle(mesh, &edge)),
             2 if surplus != 0 => found.misoriented.add(middle(mesh, &edge)),

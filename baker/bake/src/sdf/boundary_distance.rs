@@ -23,6 +23,11 @@ pub trait SignedDistance: Sync {
         self.near(point, known).abs()
     }
 
+    /// The boundary of a mesh, if this is one.
+    fn of_mesh(&self) -> Option<&BoundaryDistance> {
+        None
+    }
+
     /// Makes known of up to [`Neighbours::MAX`] points, close to each other, what can be found out faster together than
     /// when each is asked; the signs too if they will be.
     fn prepare(&self, _points: &[DVec3], _known: &mut Neighbours, _signed: bool) {}
@@ -78,6 +83,10 @@ impl SignedDistance for BoundaryDistance {
         let to_mesh = self.mesh.side(&mut found) * found.distance;
         *known = Some(found);
         (if self.invert { -to_mesh } else { to_mesh }) - self.thickness
+    }
+
+    fn of_mesh(&self) -> Option<&BoundaryDistance> {
+        Some(self)
     }
 
     fn has_separate_signs(&self) -> bool {

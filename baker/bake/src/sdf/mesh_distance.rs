@@ -12,13 +12,18 @@ use crate::sdf::lanes::LANES;
 use crate::sdf::packet::Search;
 use crate::sdf::pseudonormal::Pseudonormals;
 use crate::sdf::sign::{SignChoice, SignMethod, choose_sign};
+use crate::sdf::union::{Arrangement, Overlaps, UnionSurface, tree_of_union};
 use crate::sdf::winding::WindingNumbers;
 
 /// A mesh, ready for queries from any number of threads.
 #[derive(Clone, Debug)]
 pub struct MeshDistance {
     mesh: TriangleMesh,
+    /// All triangles: for the side.
     bvh: Bvh,
+    /// The surface of the union, where that isn't all triangles: for the distance.
+    surface: Option<(UnionSurface, Bvh)>,
+    overlaps: Overlaps,
     /// Made when first asked for.
     pseudonormals: OnceLock<Pseudonormals>,
     winding: WindingNumbers,
@@ -61,21 +66,82 @@ impl MeshDistance {
     /// Prepares a mesh of at least one triangle with finite coordinates and valid indices (panics
     /// otherwise), and its diagnosis, which decides where `sign` is `Auto`.
     pub fn new(mesh: &TriangleMesh, sign: SignMethod, diagnosis: &Diagnosis) -> MeshDistance {
-        let corner = |v: u32| DVec3::from(mesh.vertices[v as usize]);
-        let corners: Vec<[DVec3; 3]> = mesh.triangles.iter().map(|triangle| triangle.map(corner)).collect();
+        let corners = corners_of(mesh);
         let bvh = Bvh::new(&corners);
         let choice = match sign {
             SignMethod::Auto => choose_sign(diagnosis),
             method => SignChoice { method, reason: "as asked for".to_string() },
         };
+        let winding = WindingNumbers::new(&bvh);
+        let balanced = diagnosis.balanced;
+        let arrangement = Arrangement { mesh, corners: &corners, bvh: &bvh, winding: &winding, balanced };
+        let (overlaps, surface) = arrangement.union(diagnosis.nested_solids.count > 0);
+        let with_tree = |surface: UnionSurface| {
+            let tree = tree_of_union(&bvh, &corners, &surface);
+            (surface, tree)
+        };
+        let surface = surface.map(with_tree);
         MeshDistance {
             mesh: mesh.clone(),
             pseudonormals: OnceLock::new(),
-            winding: WindingNumbers::new(&bvh),
+            winding,
+            surface,
+            overlaps,
             bvh,
             choice,
-            balanced: diagnosis.balanced,
+            balanced,
         }
+    }
+
+    /// What overlaps in the mesh.
+    pub fn overlaps(&self) -> &Overlaps {
+        &self.overlaps
+    }
+
+    /// The union's surface, to which the distance is. None if that is all of the mesh.
+    pub fn union_surface(&self) -> Option<&UnionSurface> {
+        self.surface.as_ref().map(|(surface, _)| surface)
+    }
+
+    /// Triangles of the surface to which the distance is, and of which triangle of the mesh each is a part; together
+    /// they enclose the solid, if the mesh is balanced.
+    pub fn surface_triangles(&self) -> (Vec<[DVec3; 3]>, Vec<u32>) {
+        let corners = corners_of(&self.mesh);
+        match &self.surface {
+            Some((surface, _)) => surface.triangles(&corners).unzip(),
+            None => {
+                let numbers = (0..corners.len() as u32).collect();
+                (corners, numbers)
+            }
+        }
+    }
+
+    /// A mesh of the union's surface, without shared vertices where triangles were cut. None if it is the mesh itself.
+    pub fn union_mesh(&self) -> Option<TriangleMesh> {
+        self.surface.as_ref().map(|(surface, _)| surface.mesh(&self.mesh))
+    }
+
+    /// Volume that the surface encloses, m^3; means nothing where the mesh isn't balanced.
+    pub fn volume(&self) -> f64 {
+        let (triangles, _) = self.surface_triangles();
+        let origin = triangles[0][0];
+        let volume = |corners: &[DVec3; 3]| {
+            let [a, b, c] = corners.map(|corner| corner - origin);
+            a.dot(b.cross(c)) / 6.0
+        };
+        triangles.iter().map(volume).sum()
+    }
+
+    /// Normal of a triangle as its corners run; zero if it has no area.
+    pub fn normal(&self, triangle: u32) -> DVec3 {
+        let [a, b, c] =
+            self.mesh.triangles[triangle as usize].map(|v| DVec3::from(self.mesh.vertices[v as usize]));
+        (b - a).cross(c - a).normalize_or_zero()
+    }
+
+    /// The tree of the triangles to which the distance is.
+    fn tree(&self) -> &Bvh {
+        self.surface.as_ref().map_or(&self.bvh, |(_, tree)| tree)
     }
 
     /// The sign in use, and why.
@@ -83,14 +149,14 @@ impl MeshDistance {
         &self.choice
     }
 
-    /// Closest point of the mesh.
+    /// Closest point of the union's surface; the feature is that of the piece where that is left of a triangle.
     pub fn closest(&self, p: DVec3) -> Closest {
         self.closest_within(p, f64::INFINITY)
     }
 
     /// `closest`, faster where a distance is known that will not be exceeded.
     pub fn closest_within(&self, p: DVec3, upper_bound: f64) -> Closest {
-        self.bvh.closest(p, upper_bound)
+        self.tree().closest(p, upper_bound)
     }
 
     /// Distance to the mesh, 0 or more.
@@ -127,7 +193,7 @@ impl MeshDistance {
         for ((bound, p), known) in bounds.iter_mut().zip(points).zip(&near.known) {
             *bound = upper_bound(*p, known.as_ref());
         }
-        let closest = self.bvh.closest_to_each(points, &bounds, &mut near.search);
+        let closest = self.tree().closest_to_each(points, &bounds, &mut near.search);
         for ((p, closest), known) in points.iter().zip(&closest).zip(&mut near.known) {
             *known = Some(self.known(*p, closest, known.as_ref()));
         }
@@ -174,9 +240,11 @@ impl MeshDistance {
         if inside { -1.0 } else { 1.0 }
     }
 
-    /// Side of the surface by the pseudonormal at the closest point; by the winding number where that
+    /// Side of the surface by the pseudonormal at the closest point of all triangles; by the winding number where that
     /// is too close to call.
     pub fn inside_by_pseudonormal(&self, p: DVec3, closest: &Closest) -> bool {
+        let of_all = self.surface.as_ref().map(|_| self.bvh.closest(p, f64::INFINITY));
+        let closest = of_all.as_ref().unwrap_or(closest);
         let pseudonormals = self.pseudonormals.get_or_init(|| {
             let vertices: Vec<DVec3> = self.mesh.vertices.iter().map(|&v| DVec3::from(v)).collect();
             Pseudonormals::new(&vertices, &self.mesh.triangles, &Topology::new(&self.mesh))
@@ -194,6 +262,11 @@ impl MeshDistance {
     pub fn winding_number(&self, p: DVec3) -> f64 {
         WindingNumbers::exact(&self.bvh, p)
     }
+}
+
+fn corners_of(mesh: &TriangleMesh) -> Vec<[DVec3; 3]> {
+    let corner = |v: u32| DVec3::from(mesh.vertices[v as usize]);
+    mesh.triangles.iter().map(|triangle| triangle.map(corner)).collect()
 }
 
 /// The mesh is no further than the point of it that is closest to a neighbour.

@@ -152,8 +152,8 @@ fn bvh_is_brute_force() {
         shapes::moved(sphere, 1e-30, DVec3::ZERO),
     ];
     for (i, mesh) in meshes.iter().enumerate() {
-        let distance = distance_to(mesh);
         let triangles = corners(mesh);
+        let tree = Bvh::new(&triangles);
         let bounds = diagnose(mesh).bounds;
         let (lower, upper) = (DVec3::from(bounds.lower), DVec3::from(bounds.upper));
         let size = (upper - lower).length();
@@ -161,7 +161,7 @@ fn bvh_is_brute_force() {
         for k in 0..400 {
             let reach = [0.0, 0.2, 20.0][k % 3] * size;
             let p = random.point(lower - reach, upper + reach);
-            let (fast, slow) = (distance.closest(p), brute_force::closest(&triangles, p));
+            let (fast, slow) = (tree.closest(p, f64::INFINITY), brute_force::closest(&triangles, p));
             let (d, expected) = (fast.distance_squared.sqrt(), slow.distance_squared.sqrt());
             assert!((d - expected).abs() <= 1e-13 * (size + expected), "{i} {p}: {d} {expected}");
             assert!((fast.point.distance(p) - d).abs() <= 1e-13 * (size + p.length()));

@@ -4,5 +4,7 @@ mod distance;
 mod orientation;
 mod shapes;
 mod sign;
+mod thin;
 mod topology;
+mod union;
 mod winding;

@@ -109,7 +109,8 @@ fn solids_that_share_an_edge_are_balanced() {
     mesh.vertices.extend(&other.vertices);
     mesh.triangles.extend(triangles);
     let found = diagnose(&mesh);
-    assert!(found.balanced && !found.closed && !found.manifold_edges);
+    assert!(found.balanced && found.closed && !found.manifold_edges);
+    assert_eq!(found.genus, None);
     assert_eq!((found.non_manifold_edges.count, found.vertices), (1, 14));
     assert_eq!(found.volume, 2.0);
 }

@@ -1,6 +1,7 @@
 //! What was found, as it stands in the JSON file.
 
 use super::reference::{FINE_RULE, PAPER_RULE, Reference};
+use super::reference_check::ReferenceCheck;
 use super::slices::ErrorSlice;
 use super::statistics::{DistanceBin, HistogramBar, Measurement, Statistics, by_distance, histogram};
 use super::thin::{self, Thin, Width};
@@ -53,6 +54,8 @@ pub struct Findings {
     pub thin: Option<ThinPlaces>,
     /// Where pseudonormals and winding numbers differ.
     pub signs: Option<SignFacts>,
+    /// Whether the exact distance holds against winding numbers.
+    pub reference_check: Option<ReferenceCheck>,
 }
 
 /// The answer.
@@ -286,7 +289,8 @@ pub fn findings(measured: &Measured, settings: &ReportSettings, slices: &[ErrorS
         format: "volmap-report".into(),
         format_version: 1,
         program_version: env!("CARGO_PKG_VERSION").into(),
-        verdict: verdict(&best, reference, settings.max_error, ball),
+        verdict: verdict(&best, reference, settings.max_error, ball)
+            .unless_contradicted(surface.map(|surface| &surface.reference)),
         asset: asset_facts(measured),
         mesh: measured.solid.map(|solid| MeshFacts {
             file: solid.name.clone(),
@@ -309,11 +313,26 @@ pub fn findings(measured: &Measured, settings: &ReportSettings, slices: &[ErrorS
         distance: surface.map(|surface| distance_errors(surface, radius)),
         slices: slices.iter().filter_map(slice_errors).collect(),
         thin: surface.map(|surface| thin_places(measured, &surface.widths)),
+        reference_check: surface.map(|surface| surface.reference.clone()),
         signs: surface.map(|surface| SignFacts {
             points: surface.signs.points,
             disagreeing: surface.signs.disagreeing,
             worst: surface.signs.worst.clone(),
         }),
+    }
+}
+
+impl Verdict {
+    /// A reference that is wrong lets nothing pass.
+    fn unless_contradicted(mut self, check: Option<&ReferenceCheck>) -> Verdict {
+        if let Some(check) = check.filter(|check| check.contradictions > 0) {
+            self.passed = self.passed.map(|_| false);
+            self.text += &format!(
+                " But winding numbers contradict the exact distance at {} of {} points: the figures can't be relied on.",
+                check.contradictions, check.points
+            );
+        }
+        self
     }
 }
 

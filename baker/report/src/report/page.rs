@@ -214,6 +214,13 @@ fn places(findings: &Findings, thin: &ThinPlaces) -> Section {
             rows,
         }));
     }
+    if let Some(check) = findings.reference_check.as_ref().filter(|check| check.points > 0) {
+        let text = format!(
+            "The exact distance was checked by winding numbers alone at {} points; they contradict it at {}.",
+            check.points, check.contradictions
+        );
+        blocks.push(if check.contradictions == 0 { Block::Paragraph(text) } else { Block::Warning(text) });
+    }
     if let Some(signs) = &findings.signs {
         let text = format!(
             "Pseudonormals and winding numbers differ at {} of {} points close to the surface.",

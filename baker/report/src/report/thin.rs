@@ -1,8 +1,7 @@
 //! Thin walls and narrow gaps: where a map can leak.
 //!
 //! The largest ball that touches the surface at a point and holds no other part of it is as wide as the wall (inside)
-//! or the gap (outside) there. It is found by shrinking (Ma, Bae and Choi 2012, "3D medial axis point approximation
-//! using nearest neighbors and the normal field"), which needs closest points and nothing else.
+//! or the gap (outside) there.
 
 use super::model::{Model, Solid};
 use glam::DVec3;
@@ -10,14 +9,8 @@ use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::Serialize;
 use volmap_bake::sdf::sign_comparison::spread_over_area;
+use volmap_bake::sdf::width::touching_ball;
 use volmap_bake::watch::{Cancelled, Watch};
-
-/// Balls stop shrinking when the radius changes by less than this part.
-const ENOUGH: f64 = 1e-3;
-const STEPS: usize = 30;
-/// Cosine of the largest angle between the normal and the way to the other side, and between the two normals: beyond
-/// it, it is no other side but the surface itself going on around an edge.
-const FACING: f64 = 0.5;
 
 /// What is narrow at a point of the surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
@@ -87,9 +80,9 @@ pub fn cell(model: &Model) -> f64 {
     model.field.grid.cell_size.max_element()
 }
 
-/// Points spread evenly over the area, with their triangles.
-pub fn spread(corners: &[[DVec3; 3]]) -> Vec<(DVec3, u32)> {
-    spread_over_area(corners).into_iter().map(|(point, triangle)| (point, triangle as u32)).collect()
+/// Points spread evenly over the area, with the numbers of their triangles.
+pub fn spread(corners: &[[DVec3; 3]], numbers: &[u32]) -> Vec<(DVec3, u32)> {
+    spread_over_area(corners).into_iter().map(|(point, triangle)| (point, numbers[triangle])).collect()
 }
 
 /// Widths at points of the surface, of which the triangles are known, up to `reach` metres.
@@ -108,42 +101,9 @@ pub fn widths(
         work.check()?;
         work.add(1);
         // Out of the solid.
-        let normal = normal(solid, triangle) * invert;
-        let side = |direction| touching_ball(solid, point, direction, reach);
+        let normal = solid.phi.mesh.normal(triangle) * invert;
+        let side = |direction| touching_ball(&solid.phi.mesh, point, direction, reach);
         Ok(Width { point: point.to_array(), wall: side(-normal), gap: side(normal) })
     };
     points.par_iter().map(width).collect()
-}
-
-/// Normal of a triangle as its corners run; zero if it has no area.
-pub fn normal(solid: &Solid, triangle: u32) -> DVec3 {
-    let corner = |v: u32| DVec3::from(solid.mesh.vertices[v as usize]);
-    let [a, b, c] = solid.mesh.triangles[triangle as usize].map(corner);
-    (b - a).cross(c - a).normalize_or_zero()
-}
-
-/// Diameter of the largest ball that touches the surface at `p` from the side of `n`, a normal there, and holds nothing
-/// of it, if it is below `reach`.
-fn touching_ball(solid: &Solid, p: DVec3, n: DVec3, reach: f64) -> Option<f64> {
-    let mut radius = 0.5 * reach;
-    for step in 0..STEPS {
-        let closest = solid.phi.mesh.closest_within(p + radius * n, radius);
-        let free = closest.distance_squared.sqrt() >= radius * (1.0 - ENOUGH);
-        if free && step == 0 {
-            return None;
-        }
-        if free {
-            break;
-        }
-        let q = closest.point - p;
-        // The ball through p and q whose centre lies on the normal at p.
-        let smaller = q.length_squared() / (2.0 * q.dot(n));
-        // The other side faces this one, or it is this surface going on.
-        let faces = normal(solid, closest.triangle).dot(n).abs() > FACING && q.dot(n) > FACING * q.length();
-        if !faces || smaller.is_nan() || smaller >= radius {
-            return None;
-        }
-        radius = smaller;
-    }
-    Some(2.0 * radius)
 }

@@ -42,7 +42,7 @@ fn view(model: &Model, solid: &Solid, axis: Axis, pixels: usize, watch: &Watch) 
     let cell = thin::cell(model);
     let mut kinds = points.iter().zip(widths).map(|((_, triangle), width)| {
         let kind = width.kind(cell, model.radius) as usize;
-        let facing = thin::normal(solid, *triangle)[axis.index()].abs();
+        let facing = solid.phi.mesh.normal(*triangle)[axis.index()].abs();
         let shade = ((1.0 - facing) * SHADES as f64).min(SHADES as f64 - 1.0) as usize;
         Pixel::Value((kind + shade * Thin::ALL.len()) as f64)
     });
@@ -100,7 +100,7 @@ fn nearest(solid: &Solid, lattice: &PixelLattice, axis: Axis) -> Vec<Option<(DVe
 fn on_triangle(solid: &Solid, triangle: u32, line: DVec3, axis: Axis) -> DVec3 {
     let corners =
         solid.mesh.triangles[triangle as usize].map(|v| DVec3::from(solid.mesh.vertices[v as usize]));
-    let normal = thin::normal(solid, triangle);
+    let normal = solid.phi.mesh.normal(triangle);
     let along = axis.index();
     let [low, high] = [f64::min, f64::max]
         .map(|pick| corners.iter().map(|corner| corner[along]).reduce(pick).unwrap_or_default());

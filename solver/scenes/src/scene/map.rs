@@ -8,9 +8,11 @@ use std::sync::Arc;
 use volmap_bake::bake::bake;
 use volmap_bake::content_key;
 use volmap_bake::input::Input;
+use volmap_bake::mesh::prepare;
 use volmap_bake::parameters::{DensityKernel, Group, Parameters};
 use volmap_bake::plan::GridChoice;
 use volmap_bake::recipe::Recipe;
+use volmap_bake::sdf::{MeshDistance, SignMethod};
 use volmap_bake::watch::Watch;
 use volmap_fluid::boundary::density_map;
 use volmap_fluid::settings::{BoundaryMethod, World};
@@ -29,6 +31,9 @@ pub struct Shape {
     pub map: Arc<VolumeMap>,
     /// The mesh as it was baked: scaled, triangles the right way round.
     pub mesh: Option<Arc<TriangleMesh>>,
+    /// Its surface: that of the union where parts of the mesh overlap. It encloses the mass, and bears boundary
+    /// particles.
+    pub surface: Option<Arc<TriangleMesh>>,
     /// Where the map comes from.
     pub origin: Origin,
     /// BLAKE3 of the map's bytes, or of the content key of the mesh and its bake.
@@ -242,9 +247,12 @@ impl<'a> Library<'a> {
             Some(map) => (map, Origin::Cache),
             None => (self.baked(path, &cached, input.clone(), &recipe)?, Origin::Baked),
         };
-        volmap_bake::mesh::prepare(&mut input.mesh, recipe.bake.keep_orientation);
+        let prepared = prepare(&mut input.mesh, recipe.bake.keep_orientation);
+        let union = MeshDistance::new(&input.mesh, SignMethod::Auto, &prepared.diagnosis).union_mesh();
+        let mesh = Arc::new(input.mesh);
+        let surface = union.map_or(mesh.clone(), Arc::new);
         let content = *blake3::hash(key.as_bytes()).as_bytes();
-        Ok(Shape { map: Arc::new(map), mesh: Some(Arc::new(input.mesh)), origin, content })
+        Ok(Shape { map: Arc::new(map), mesh: Some(mesh), surface: Some(surface), origin, content })
     }
 
     /// Bakes, and keeps what came of it if it can.
@@ -320,5 +328,5 @@ fn open_asset(path: &Path) -> Result<Shape, Error> {
         let reason = "it is a map in two dimensions, and scenes are in three; name a mesh instead";
         return Err(Error::Scene { place: path.display().to_string(), reason: reason.into() });
     }
-    Ok(Shape { map: Arc::new(map), mesh: None, origin: Origin::Asset, content })
+    Ok(Shape { map: Arc::new(map), mesh: None, surface: None, origin: Origin::Asset, content })
 }

@@ -102,7 +102,7 @@ fn prepare_bodies(
         let key = format!("bodies[{i}]");
         let baked = library.with_cells(settings);
         let source = given(baked.source(), &key)?;
-        let Shape { map, mesh, origin, content } = library.obtain_for_body(source, &key)?;
+        let Shape { map, surface: mesh, origin, content, .. } = library.obtain_for_body(source, &key)?;
         files.push(SourceFile { path: source.path().to_owned(), content });
         bodies.push(PreparedBody {
             boundary_particles: count_particles(scene, mesh.as_deref(), &key)?,
