@@ -111,7 +111,12 @@ fn a_concave_polygon_of_an_obj_keeps_its_area() {
 
 #[test]
 fn errors_name_place_and_cure() {
-    let cases: [(&str, MeshFormat, &[&str]); 14] = [
+    let vtk_points = "# vtk DataFile Version 3.0\nt\nASCII\nDATASET POLYDATA\nPOINTS 9999 float\n0 0 0\n";
+    let cases: [(&str, MeshFormat, &[&str]); 18] = [
+        ("# vtk Datafile\nt\nASCII\n", MeshFormat::Vtk, &["line 1:", "# vtk DataFile Version"]),
+        (vtk_points, MeshFormat::Vtk, &["line 5:", "29997 point coordinates are announced"]),
+        ("plx\nformat ascii 1.0\n", MeshFormat::Ply, &["line 1:", "the line `ply`"]),
+        ("SKELOFF\n3 1 0\n", MeshFormat::Off, &["line 1:", "`SKELOFF` is not a kind of OFF"]),
         ("v 0 0 0\nv 1 x 0\n", MeshFormat::Obj, &["line 2", "`x` is not a number"]),
         ("v 0 0 0\nv 1 0,5 0\n", MeshFormat::Obj, &["line 2", "decimal point"]),
         ("v 0 0 0\nv nan 0 0\n", MeshFormat::Obj, &["line 2", "not finite"]),
@@ -133,6 +138,90 @@ fn errors_name_place_and_cure() {
             assert!(message.contains(part), "`{part}` is not in: {message}");
         }
     }
+}
+
+#[test]
+fn a_comment_or_a_name_that_ends_in_a_backslash_goes_on_in_no_other_line() {
+    let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n# faces of C:\\models\\\nf 1 3 2\nf 1 2 4 # C:\\\nf 2 3 4\n\
+                g C:\\\nf 1 4 \\ # goes on\n3\n";
+    let raw = read_mesh_bytes(text.as_bytes(), MeshFormat::Obj).unwrap();
+    assert_eq!(raw.faces.iter().collect::<Vec<_>>(), [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]);
+    assert!(raw.notes.is_empty(), "{:?}", raw.notes);
+}
+
+#[test]
+fn capitals_and_fortran_exponents_are_read() {
+    let expected = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 20.0, 0.25]];
+    let ply = "ply\nformat ascii 1.0\nelement vertex 3\nproperty double X\nproperty double Y\nproperty double Z\n\
+               element face 1\nproperty list uchar int vertex_indices\nend_header\n\
+               0 0 0\n1.0D+00 0 0\n0 2.d1 25D-2\n3 0 1 2\n";
+    let vtk = "# vtk DataFile Version 3.0\nt\nASCII\nDATASET POLYDATA\nPOINTS 3 double\n0 0 0 1.0D+00 0 0\n\
+               0 2.d1 25D-2\nPOLYGONS 1 4\n3 0 1 2\n";
+    let cases = [
+        (MeshFormat::Obj, "O a\nV 0 0 0\nV 1.0D+00 0 0\nVN 0 0 1\nV 0 2.d1 25D-2\nF 1 2 3\n"),
+        (MeshFormat::Off, "OFF 3 1 0\n0 0 0\n1.0D+00 0 0\n0 2.d1 25D-2\n3 0 1 2\n"),
+        (MeshFormat::RawTriangles, "0 0 0 1.0D+00 0 0 0 2.d1 25D-2\n"),
+        (
+            MeshFormat::Stl,
+            "solid\nfacet\nouter loop\nvertex 0 0 0\nvertex 1.0D+00 0 0\nvertex 0 2.d1 25D-2\n\
+                           endloop\nendfacet\nendsolid\n",
+        ),
+        (MeshFormat::Ply, ply),
+        (MeshFormat::Vtk, vtk),
+    ];
+    for (format, text) in cases {
+        let raw = read_mesh_bytes(text.as_bytes(), format).unwrap();
+        assert_eq!((raw.positions.as_slice(), raw.faces.len()), (&expected[..], 1), "{format}");
+        assert!(raw.notes.is_empty(), "{format}: {:?}", raw.notes);
+    }
+    assert_eq!(MeshFormat::detect(Path::new("x"), cases[0].1.as_bytes()).unwrap(), MeshFormat::Obj);
+}
+
+/// What a reader leaves out.
+fn notes(bytes: &[u8], format: MeshFormat) -> String {
+    read_mesh_bytes(bytes, format).unwrap().notes.join("\n")
+}
+
+#[test]
+fn what_is_left_out_is_named() {
+    let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    let obj = |more: &str| notes(format!("{triangle}{more}").as_bytes(), MeshFormat::Obj);
+    assert_eq!(obj("call other.obj\n"), "line 5 begins with `call`, which is not read: left out");
+    assert_eq!(
+        obj("\nsolid\nfoo 1\nsolid\n"),
+        "3 lines begin with words that are not read, the first with `solid` in line 6: left out"
+    );
+    let off = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n# end\n";
+    assert_eq!(notes(off.as_bytes(), MeshFormat::Off), "");
+    assert_eq!(
+        notes(format!("{off}3 2 1 0\n").as_bytes(), MeshFormat::Off),
+        "what follows the last face, from line 8 on, is left out: `3 2 1 0`"
+    );
+    let mut stl = samples::stl_binary();
+    stl.extend([7; 120]);
+    assert_eq!(
+        notes(&stl, MeshFormat::Stl),
+        "the header announces 12 triangles (14 triangles would fit); 120 bytes after them are left out"
+    );
+    let ply = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+               element face 1\nproperty list uchar int vertex_indices\nelement patch 2\nproperty int a\nend_header\n\
+               0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n5\n6\n3 2 1 0\n";
+    assert_eq!(
+        notes(ply.as_bytes(), MeshFormat::Ply),
+        "the element `patch` (2 of them) is not read: left out\n9 bytes after the last element that the header announces \
+         are left out"
+    );
+}
+
+#[test]
+fn a_count_of_0_is_named() {
+    let mut stl = samples::stl_binary();
+    stl[80..84].fill(0);
+    let message = error(&stl, MeshFormat::Stl);
+    assert!(
+        message.contains("announces 0 triangles, and 600 bytes follow (12 triangles would fit)"),
+        "{message}"
+    );
 }
 
 #[test]
@@ -265,8 +354,16 @@ fn off_variants_have_positions_first() {
         "4OFF\n3 1\n0 0 0 2\n2 0 0 2\n0 2 0 2\n3 0 1\n2\n",
         "nOFF\n3\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
         "3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+        // pymeshlab, and the glued headers of ModelNet40.
+        "NCOFF\n3 1 0\n0 0 0 255 255 255 255 -1.5 0 0 \n1 0 0 9 9 9 9 0 0 1\n0 1 0 9 9 9 9 0 0 1\n3 0 1 2 \n",
+        "OFF3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+        "COFF3 1 0\n0 0 0 9 9 9 9\n1 0 0 9 9 9 9\n0 1 0 9 9 9 9\n3 0 1 2\n",
+        "4NOFF3 1 0\n0 0 0 2 0 0 1\n2 0 0 2 0 0 1\n0 2 0 2 0 0 1\n3 0 1 2\n",
+        "off\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
     ];
     for text in variants {
+        let found = MeshFormat::detect(Path::new("x.off"), text.as_bytes()).unwrap();
+        assert_eq!(found, MeshFormat::Off, "{text}");
         let raw = read_mesh_bytes(text.as_bytes(), MeshFormat::Off).unwrap();
         assert_eq!(raw.positions, [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], "{text}");
         assert_eq!(raw.faces.iter().collect::<Vec<_>>(), [[0, 1, 2]], "{text}");

@@ -126,6 +126,11 @@ pub fn warnings(summary: &Summary, maps: &Maps, settings: &BakeSettings) -> Vec<
 
 fn mesh_warnings(summary: &Summary, out: &mut Vec<String>) {
     let found = &summary.diagnosis;
+    let cleaning = &summary.cleaning;
+    out.extend(cleaning.notes.iter().map(|note| format!("{}: {note}", summary.source.format)));
+    if cleaning.skipped.total() > 0 {
+        out.push(format!("left out, for they hold no surface: {}", cleaning.skipped));
+    }
     if let Some(hole) = found.boundary_loops.first() {
         let [x, y, z] = hole.centroid;
         out.push(format!(

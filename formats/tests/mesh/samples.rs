@@ -54,7 +54,7 @@ fn stl_ascii(first: &str) -> Vec<u8> {
     (text + "endsolid\n").into_bytes()
 }
 
-fn stl_binary() -> Vec<u8> {
+pub fn stl_binary() -> Vec<u8> {
     let mut bytes = b"solid but binary, with facet".to_vec();
     bytes.resize(80, b' ');
     bytes.extend((triangles().len() as u32).to_le_bytes());

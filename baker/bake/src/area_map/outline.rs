@@ -93,10 +93,11 @@ pub fn bake_file(
         format: "obj".into(),
         blake3: blake3::hash(&bytes).to_hex().to_string(),
     };
+    let warnings = [outline.notes, warnings(&asset, &phi)].concat();
     Ok(Asset {
         bake: parameters(&asset, placement, settings),
         source: source_attributes(&source, &phi),
-        diagnosis: attributes([("warnings", warnings(&asset, &phi).join("\n").into())]),
+        diagnosis: attributes([("warnings", warnings.join("\n").into())]),
         ..asset
     })
 }
@@ -202,7 +203,11 @@ mod tests {
             [1.5, 1.5],
             [0.5, 1.5],
         ];
-        Outline { points, segments: vec![[0, 1], [2, 1], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4]] }
+        Outline {
+            points,
+            segments: vec![[0, 1], [2, 1], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4]],
+            ..Default::default()
+        }
     }
 
     #[test]
@@ -236,6 +241,7 @@ mod tests {
         let outline = Outline {
             points: (0..CORNERS).map(|n| DVec2::from_angle(angle(n)).to_array()).collect(),
             segments: (0..CORNERS).map(|n| [n, (n + 1) % CORNERS]).collect(),
+            ..Outline::default()
         };
         let phi = OutlineDistance::new(&outline, false, 0.0);
         // Rays through the corners' own heights too.

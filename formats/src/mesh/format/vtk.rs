@@ -50,7 +50,6 @@ pub fn read(bytes: &[u8]) -> Result<RawMesh, MeshError> {
             b"CELLS" => cells = read_lists(&mut file)?,
             b"CELL_TYPES" => {
                 let count = file.words.count("the number of cell types")?;
-                file.words.next_line();
                 kinds = file.values(count, Scalar::I32, "cell types")?;
             }
             // What follows belongs to points and cells that were read before.
@@ -100,9 +99,10 @@ impl Lists {
 
 fn header(bytes: &[u8]) -> Result<File<'_>, MeshError> {
     let mut words = Words::new(bytes, NAME);
+    let first = words.clone();
     let magic = words.next_line().unwrap_or_default();
     if !magic.starts_with(b"# vtk DataFile") {
-        return Err(words.bad("a VTK file starts with `# vtk DataFile Version`"));
+        return Err(first.bad("a VTK file starts with `# vtk DataFile Version`"));
     }
     // The title.
     words.next_line();
@@ -144,10 +144,11 @@ fn scalar(file: &Words, word: &[u8]) -> Result<Scalar, MeshError> {
 }
 
 impl File<'_> {
-    /// `count` numbers; the words that announce them were read up to their line's end.
+    /// `count` numbers, from the next line on; the words that announce them were read.
     fn values(&mut self, count: usize, kind: Scalar, what: &str) -> Result<Vec<f64>, MeshError> {
         let size = if self.binary { kind.size() } else { 2 };
         self.words.room_for(count, size, what)?;
+        self.words.next_line();
         let mut values = Vec::with_capacity(count);
         if self.binary {
             let rest = self.words.rest();
@@ -171,7 +172,6 @@ fn read_points(file: &mut File, raw: &mut RawMesh) -> Result<(), MeshError> {
     let count = file.words.count("the number of points")?;
     let word = file.words.word("the type of the points")?;
     let kind = scalar(&file.words, word)?;
-    file.words.next_line();
     let values = file.values(count.saturating_mul(3), kind, "point coordinates")?;
     raw.positions = values.chunks_exact(3).map(|p| [p[0], p[1], p[2]]).collect();
     Ok(())
@@ -182,9 +182,10 @@ fn read_points(file: &mut File, raw: &mut RawMesh) -> Result<(), MeshError> {
 fn read_lists(file: &mut File) -> Result<Lists, MeshError> {
     let count = file.words.count("the number of cells")?;
     let size = file.words.count("the size of the cells' list")?;
-    file.words.next_line();
     let mut ahead = file.words.clone();
+    ahead.next_line();
     if ahead.next().is_some_and(|word| word.eq_ignore_ascii_case(b"OFFSETS")) {
+        file.words.next_line();
         return read_offsets(file, count, size);
     }
     let values = file.values(size, Scalar::I32, "numbers of cells")?;
@@ -226,7 +227,6 @@ fn read_offsets(file: &mut File, count: usize, size: usize) -> Result<Lists, Mes
         }
         let word = file.words.word("the type of the numbers")?;
         let kind = scalar(&file.words, word)?;
-        file.words.next_line();
         arrays.push(file.values(length, kind, name)?);
     }
     let corners = arrays.pop().unwrap_or_default();
@@ -269,7 +269,6 @@ fn skip_field(file: &mut File) -> Result<(), MeshError> {
             }
             kind => scalar(&file.words, kind)?,
         };
-        file.words.next_line();
         file.values(count, kind, "values of a field")?;
     }
     Ok(())
