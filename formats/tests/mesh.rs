@@ -327,6 +327,57 @@ fn threemf_bombs_are_refused() {
     assert!(error.contains("MiB") || error.contains("million"), "{error}");
 }
 
+/// The solid's volume, and what was left out.
+fn volume_and_notes(bytes: &[u8], format: MeshFormat) -> (f64, String) {
+    let (mesh, report) = read_clean(bytes, format);
+    ((measure(&mesh).1 * 1e12).round() / 1e12, report.notes.join("\n"))
+}
+
+#[test]
+fn polyhedra_count_by_their_outer_faces() {
+    for sample in samples::polyhedra() {
+        let (mesh, report) = read_clean(&sample.bytes, sample.format);
+        assert_eq!((mesh.vertices.len(), mesh.triangles.len()), (13, 22), "{}: {report:?}", sample.name);
+        let (area, volume) = measure(&mesh);
+        assert!(
+            (area - 62.0).abs() < 1e-9 && (volume - 30.0).abs() < 1e-9,
+            "{}: {area} {volume}",
+            sample.name
+        );
+        assert!(is_closed(&mesh) && report.notes.is_empty(), "{}", sample.name);
+    }
+}
+
+#[test]
+fn hidden_and_duplicate_cells_of_vtk_are_left_out() {
+    // Four unit cubes in a row: a hidden one, a duplicate, two that are there.
+    let (vtu, vtk) = samples::vtk_ghosts("1 0 32 0");
+    let note = "left out by `vtkGhostType`: 1 hidden cell and 1 duplicate cell";
+    assert_eq!(volume_and_notes(&vtu, MeshFormat::Vtu), (2.0, note.into()));
+    assert_eq!(volume_and_notes(&vtk, MeshFormat::Vtk), (2.0, note.into()));
+    let (vtu, vtk) = samples::vtk_ghosts("0 16 0 4");
+    assert_eq!(volume_and_notes(&vtu, MeshFormat::Vtu), (4.0, String::new()));
+    assert_eq!(volume_and_notes(&vtk, MeshFormat::Vtk), (4.0, String::new()));
+    assert!(error(&samples::vtk_ghosts("0 0 0").0, MeshFormat::Vtu).contains("3 values for 4 cells"));
+}
+
+#[test]
+fn lists_of_vtk_files_name_a_file_with_a_mesh() {
+    let xml = |kind: &str, body: &str| {
+        let text = format!("<VTKFile type=\"{kind}\" byte_order=\"LittleEndian\">{body}</VTKFile>\n");
+        error(text.as_bytes(), MeshFormat::Vtu)
+    };
+    let pvd = xml("Collection", "<Collection><DataSet timestep=\"0\" file=\"a.vtu\"/></Collection>");
+    assert!(pvd.contains("it names the file with the mesh: give `a.vtu`"), "{pvd}");
+    let pieces: String = (0..5).map(|k| format!("<Piece Source=\"p_{k}.vtu\"/>")).collect();
+    let pvtu = xml("PUnstructuredGrid", &pieces);
+    assert!(pvtu.contains("give one of `p_0.vtu`, `p_1.vtu`, `p_2.vtu` and 2 more"), "{pvtu}");
+    let vtm =
+        xml("vtkMultiBlockDataSet", "<Block><DataSet file=\"b/x.vtp\"/><DataSet file=\"y.vtp\"/></Block>");
+    assert!(vtm.contains("give one of `b/x.vtp`, `y.vtp`"), "{vtm}");
+    assert!(xml("ImageData", "<Piece/>").contains("extract its surface"));
+}
+
 #[test]
 fn vtu_bombs_are_refused() {
     let error = error(&samples::vtu_bomb(), MeshFormat::Vtu);

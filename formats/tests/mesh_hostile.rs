@@ -116,6 +116,9 @@ fn damaged_files_end_in_a_mesh_or_an_error() {
     let extra = |name, format, bytes| samples::Sample { name, format, bytes };
     samples.push(extra("glTF scene", MeshFormat::Gltf, samples::gltf_scene()));
     samples.push(extra("3MF assembly", MeshFormat::ThreeMf, samples::threemf_assembly()));
+    samples.extend(samples::polyhedra());
+    let (vtu, vtk) = samples::vtk_ghosts("1 0 32 0");
+    samples.extend([extra("VTU ghosts", MeshFormat::Vtu, vtu), extra("VTK ghosts", MeshFormat::Vtk, vtk)]);
     for sample in &samples {
         let mut random = Random(0x5EED ^ sample.bytes.len() as u64);
         let mut meshes = 0;

@@ -51,7 +51,7 @@ pub enum MeshError {
         /// What is used.
         feature: String,
         /// What to do instead.
-        cure: &'static str,
+        cure: String,
     },
     /// Points only.
     #[error("a point cloud: {points} points and no faces; {RECONSTRUCT}")]
@@ -119,9 +119,9 @@ impl MeshError {
     pub(super) fn unsupported(
         format: &'static str,
         feature: impl Into<String>,
-        cure: &'static str,
+        cure: impl Into<String>,
     ) -> MeshError {
-        MeshError::Unsupported { format, feature: printable(feature.into()), cure }
+        MeshError::Unsupported { format, feature: printable(feature.into()), cure: printable(cure.into()) }
     }
 }
 
