@@ -313,6 +313,86 @@ fn gltf_transforms_strips_fans_and_sparse_accessors() {
 }
 
 #[test]
+fn gltf_instances_are_read_wherever_a_node_has_them() {
+    let instanced = |attributes: &str| {
+        let node = format!(
+            "{{\"mesh\":0,\"scale\":[2,1,1],\"extensions\":{{\"EXT_mesh_gpu_instancing\":{{\"attributes\":{attributes}}}}}}}"
+        );
+        samples::gltf_box(&node, "", "")
+    };
+    let volume = |bytes: &[u8]| volume_and_notes(bytes, MeshFormat::Gltf);
+    // Three boxes of 30, doubled in x by the node.
+    assert_eq!(volume(&instanced("{\"TRANSLATION\":2}")), (180.0, String::new()));
+    // With scales: 1, 2 and 3 times as large, the last one mirrored.
+    let (mesh, _) = read_clean(&instanced("{\"TRANSLATION\":2,\"SCALE\":3}"), MeshFormat::Gltf);
+    assert!((measure(&mesh).1 - 60.0 * (1.0 + 8.0 + 27.0)).abs() < 1e-9, "{}", measure(&mesh).1);
+    assert!(
+        error(&instanced("{\"TRANSLATION\":0,\"SCALE\":3}"), MeshFormat::Gltf).contains("different lengths")
+    );
+    assert!(error(&instanced("{}"), MeshFormat::Gltf).contains("node 0: EXT_mesh_gpu_instancing"));
+}
+
+/// Lowest corner and highest.
+fn bounds(mesh: &TriangleMesh) -> [Point; 2] {
+    let fold = |f: fn(f64, f64) -> f64, start: f64| {
+        mesh.vertices.iter().fold([start; 3], |a, v| [0, 1, 2].map(|i| f(a[i], v[i])))
+    };
+    [fold(f64::min, f64::INFINITY), fold(f64::max, f64::NEG_INFINITY)]
+}
+
+#[test]
+fn gltf_skins_are_placed_by_their_joints() {
+    // The node's own transform counts for nothing; the joints' count. Half of the vertices hang on each.
+    let nodes = "{\"mesh\":0,\"skin\":0,\"translation\":[100,0,0]},{\"translation\":[0,0,7],\"children\":[2]},\
+                 {\"translation\":[0,0,3]}";
+    let skin = ",\"JOINTS_0\":4,\"WEIGHTS_0\":5";
+    let skins = ",\"skins\":[{\"joints\":[1,2],\"inverseBindMatrices\":6}]";
+    let (mesh, report) = read_clean(&samples::gltf_box(nodes, skin, skins), MeshFormat::Gltf);
+    // The box is 2 x 3 x 5 from (1, -1, 0.5). Inverse bind matrices move by 1 in x. Joint 1 is at z = 7, joint 2 at 10;
+    // the lower four vertices hang on joint 1, the upper ones half on each.
+    assert_eq!(bounds(&mesh), [[2.0, -1.0, 7.5], [4.0, 2.0, 14.0]]);
+    assert_eq!(report.notes, ["skins are applied in the pose that the file's nodes have to mesh 0"]);
+    // Without joints and weights: where its vertices are.
+    let (mesh, report) = read_clean(&samples::gltf_box(nodes, "", skins), MeshFormat::Gltf);
+    assert_eq!(bounds(&mesh), [[1.0, -1.0, 0.5], [3.0, 2.0, 5.5]]);
+    assert!(report.notes[0].contains("no joints and weights"), "{:?}", report.notes);
+}
+
+#[test]
+fn gltf_morph_targets_are_applied_by_their_weights() {
+    // The target moves the upper vertices by 10 in z.
+    let of = |node: &str, mesh: &str| read_clean(&samples::gltf_morph(node, mesh), MeshFormat::Gltf);
+    let note = "morph targets are applied by the file's default weights to mesh 0";
+    for (node, mesh, volume) in
+        [("", ",\"weights\":[0.5]", 60.0), (",\"weights\":[1]", ",\"weights\":[0.5]", 90.0), ("", "", 30.0)]
+    {
+        let (found, report) = of(node, mesh);
+        assert!((measure(&found).1 - volume).abs() < 1e-9, "{node} {mesh}: {}", measure(&found).1);
+        assert_eq!(report.notes.is_empty(), volume == 30.0);
+        assert!(report.notes.iter().all(|found| found == note));
+    }
+}
+
+#[test]
+fn gltf_hidden_nodes_and_those_outside_of_the_scene_are_named() {
+    let hidden = "\"extensions\":{\"KHR_node_visibility\":{\"visible\":false}}";
+    let nodes = format!(
+        "{{\"mesh\":0,\"children\":[1]}},{{\"name\":\"lid\",{hidden},\"mesh\":0,\"translation\":[9,0,0],\
+         \"children\":[2]}},{{\"mesh\":0,\"translation\":[9,0,0]}},{{\"mesh\":0}}"
+    );
+    assert_eq!(
+        volume_and_notes(&samples::gltf_box(&nodes, "", ""), MeshFormat::Gltf),
+        (
+            30.0,
+            "hidden by KHR_node_visibility, left out: node 1 (lid), node 2\noutside of the scene, left out: node 3".into()
+        )
+    );
+    let strange = "{\"mesh\":0,\"extensions\":{\"ACME_holes\":{},\"KHR_lights_punctual\":{\"light\":0}}}";
+    let (volume, notes) = volume_and_notes(&samples::gltf_box(strange, "", ""), MeshFormat::Gltf);
+    assert_eq!((volume, notes.as_str()), (30.0, "extensions that are not read: ACME_holes"));
+}
+
+#[test]
 fn threemf_units_components_and_mirrors() {
     let (mesh, report) = read_clean(&samples::threemf_assembly(), MeshFormat::ThreeMf);
     assert_eq!((report.unit, report.objects, mesh.triangles.len()), (Some(0.0254), 3, 36));

@@ -160,6 +160,80 @@ pub fn gltf_scene() -> Vec<u8> {
     .into_bytes()
 }
 
+/// A glTF of its own scene with node 0 at its top, from accessors: as their types, component types and bytes.
+fn gltf_of(nodes: &str, mesh: &str, more: &str, accessors: &[(&str, u32, Vec<u8>)]) -> Vec<u8> {
+    let (mut buffer, mut views, mut entries) = (Vec::new(), Vec::new(), Vec::new());
+    for (k, (shape, kind, bytes)) in accessors.iter().enumerate() {
+        let width = [("SCALAR", 1), ("VEC3", 3), ("VEC4", 4), ("MAT4", 16)]
+            .iter()
+            .find(|(n, _)| n == shape)
+            .unwrap()
+            .1;
+        let size = [(5121, 1), (5123, 2), (5126, 4)].iter().find(|(n, _)| n == kind).unwrap().1;
+        views.push(format!(
+            "{{\"buffer\":0,\"byteOffset\":{},\"byteLength\":{}}}",
+            buffer.len(),
+            bytes.len()
+        ));
+        entries.push(format!(
+            "{{\"bufferView\":{k},\"componentType\":{kind},\"type\":\"{shape}\",\"count\":{}}}",
+            bytes.len() / width / size
+        ));
+        buffer.extend(bytes);
+    }
+    format!(
+        "{{\"asset\":{{\"version\":\"2.0\"}},\"scene\":0,\"scenes\":[{{\"nodes\":[0]}}],\"nodes\":[{nodes}],\
+         \"meshes\":[{{\"primitives\":[{{{mesh}}}]}}]{more},\"accessors\":[{}],\"bufferViews\":[{}],\
+         \"buffers\":[{{\"uri\":\"{}\",\"byteLength\":{}}}]}}",
+        entries.join(","),
+        views.join(","),
+        data_uri(&buffer),
+        buffer.len()
+    )
+    .into_bytes()
+}
+
+fn f32s(values: impl IntoIterator<Item = f32>) -> Vec<u8> {
+    values.into_iter().flat_map(f32::to_le_bytes).collect()
+}
+
+/// The box with accessors for instances (2: three places, 3: three scales) and skins (4: joints, 5: weights, 6: two inverse
+/// bind matrices that move by 1 in x).
+pub fn gltf_box(nodes: &str, attributes: &str, more: &str) -> Vec<u8> {
+    let buffer = gltf_buffer();
+    let weights = (0..8).flat_map(|k| if k < 4 { [1.0, 0.0, 0.0, 0.0] } else { [0.5, 0.5, 0.0, 0.0] });
+    let mut bind = [0.0; 16];
+    [0, 5, 10, 15, 12].into_iter().for_each(|k| bind[k] = 1.0);
+    let accessors = [
+        ("VEC3", 5126, buffer[..96].to_vec()),
+        ("SCALAR", 5123, buffer[96..].to_vec()),
+        ("VEC3", 5126, f32s([0.0, 0.0, 0.0, 100.0, 0.0, 0.0, 0.0, 100.0, 0.0])),
+        ("VEC3", 5126, f32s([1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 3.0, 3.0, -3.0])),
+        ("VEC4", 5121, [0u8, 1, 0, 0].repeat(8)),
+        ("VEC4", 5126, f32s(weights)),
+        ("MAT4", 5126, f32s(bind.into_iter().chain(bind))),
+    ];
+    let mesh = format!("\"attributes\":{{\"POSITION\":0{attributes}}},\"indices\":1");
+    gltf_of(nodes, &mesh, more, &accessors)
+}
+
+/// The box with a morph target that moves its upper four vertices by 10 in z.
+pub fn gltf_morph(node: &str, weights: &str) -> Vec<u8> {
+    let buffer = gltf_buffer();
+    let moves = (0..8).flat_map(|k| [0.0, 0.0, if k < 4 { 0.0 } else { 10.0 }]);
+    let accessors = [
+        ("VEC3", 5126, buffer[..96].to_vec()),
+        ("SCALAR", 5123, buffer[96..].to_vec()),
+        ("VEC3", 5126, f32s(moves)),
+    ];
+    let mesh = "\"attributes\":{\"POSITION\":0},\"indices\":1,\"targets\":[{\"POSITION\":2}]";
+    let text = gltf_of(&format!("{{\"mesh\":0{node}}}"), mesh, "", &accessors);
+    String::from_utf8(text)
+        .unwrap()
+        .replace("}]}]}],\"acc", &format!("}}]}}]{weights}}}],\"acc"))
+        .into_bytes()
+}
+
 fn zip(files: &[(&str, String)], method: zip::CompressionMethod) -> Vec<u8> {
     let mut writer = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
     let options = zip::write::SimpleFileOptions::default().compression_method(method);
