@@ -119,7 +119,8 @@ fn damaged_files_end_in_a_mesh_or_an_error() {
     let skin = "{\"mesh\":0,\"skin\":0},{\"children\":[2]},{}";
     let skins = ",\"skins\":[{\"joints\":[1,2],\"inverseBindMatrices\":6}]";
     let skin = samples::gltf_box(skin, ",\"JOINTS_0\":4,\"WEIGHTS_0\":5", skins);
-    let instancing = "{\"mesh\":0,\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"TRANSLATION\":2}}}}";
+    let instancing =
+        "{\"mesh\":0,\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"TRANSLATION\":2}}}}";
     samples.extend([
         extra("glTF skin", MeshFormat::Gltf, skin),
         extra("glTF instances", MeshFormat::Gltf, samples::gltf_box(instancing, "", "")),

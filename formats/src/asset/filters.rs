@@ -67,13 +67,18 @@ pub fn zstd(bytes: &[u8], level: i32) -> std::io::Result<Vec<u8>> {
     zstd::bulk::compress(bytes, level)
 }
 
-/// zlib, HDF5 filter 1.
+/// zlib, HDF5 filter 1, level 1 to 9.
 #[cfg(feature = "write")]
 pub fn deflate(bytes: &[u8], level: u32) -> std::io::Result<Vec<u8>> {
-    use std::io::Write;
-    let mut encoder = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::new(level));
-    encoder.write_all(bytes)?;
-    encoder.finish()
+    let config = zlib_rs::DeflateConfig::new(level as i32);
+    let mut out = vec![0; zlib_rs::compress_bound(bytes.len())];
+    let (packed, code) = zlib_rs::compress_slice(&mut out, bytes, config);
+    let length = packed.len();
+    if code != zlib_rs::ReturnCode::Ok {
+        return Err(std::io::Error::other(format!("zlib: {code:?}")));
+    }
+    out.truncate(length);
+    Ok(out)
 }
 
 /// Words that are summed side by side, and steps that can't overflow 32 bits: 65,535 (1 + ... + 256) < 2^32.
