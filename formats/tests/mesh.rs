@@ -402,6 +402,67 @@ fn threemf_units_components_and_mirrors() {
 }
 
 #[test]
+fn threemf_leaves_out_what_is_no_part_of_the_solid() {
+    let of = |kind: &str, item: &str, file: (&str, &str)| {
+        volume_and_notes(&samples::threemf_parts(kind, item, file), MeshFormat::ThreeMf)
+    };
+    let (none, nothing) = (("Metadata/x.config", "<config/>"), String::new());
+    // Object 1, and object 3 as an item and as the component of object 4, which stands elsewhere.
+    assert_eq!(of("model", "", none), (90.0, nothing.clone()));
+    for kind in ["support", "solidsupport", "other"] {
+        let note = format!("left out, of the type `{kind}`: object 3 (rib), object 3 (rib)");
+        assert_eq!(of(kind, "", none), (30.0, note));
+    }
+    assert_eq!(
+        of("model", "printable=\"0\"", none),
+        (60.0, "left out, not to be printed: object 3 (rib)".into())
+    );
+    let prusa = |kind: &str| {
+        format!(
+            "<config><object id=\"1\"><volume firstid=\"0\" lastid=\"11\"><metadata type=\"volume\" key=\"name\" \
+             value=\"bore\"/><metadata type=\"volume\" key=\"volume_type\" value=\"{kind}\"/></volume></object></config>"
+        )
+    };
+    let prusa = |kind: &str| of("model", "", ("Metadata/Slic3r_PE_model.config", &prusa(kind)));
+    assert_eq!(prusa("ModelPart"), (90.0, nothing.clone()));
+    let note = "left out, a negative part of the slicer, which is not cut away: object 1 (bore)";
+    assert_eq!(prusa("NegativeVolume"), (60.0, note.into()));
+    assert_eq!(
+        prusa("ParameterModifier"),
+        (60.0, "left out, a modifier of the slicer: object 1 (bore)".into())
+    );
+    let bambu = "<config><object id=\"4\"><part id=\"3\" subtype=\"modifier_part\"><metadata key=\"name\" value=\"m\"/>\
+                 </part></object></config>";
+    let note = "left out, a modifier of the slicer: object 3 (rib)";
+    assert_eq!(of("model", "", ("Metadata/model_settings.config", bambu)), (60.0, note.into()));
+}
+
+#[test]
+fn threemf_names_objects_that_are_not_built_and_refuses_extensions_that_it_needs() {
+    let (volume, notes) = volume_and_notes(
+        &samples::threemf_model("", "<beamlattice><beams/></beamlattice>"),
+        MeshFormat::ThreeMf,
+    );
+    assert_eq!(volume, 30.0);
+    assert_eq!(
+        notes,
+        "left out, elements that are not read: `beamlattice`, `beams`\nleft out, not in the build: object 2"
+    );
+    let core = "xmlns:p=\"http://schemas.microsoft.com/3dmanufacturing/production/2015/06\" requiredextensions=\"p\"";
+    assert_eq!(volume_and_notes(&samples::threemf_model(core, ""), MeshFormat::ThreeMf).0, 30.0);
+    let beams = "xmlns:b=\"http://schemas.microsoft.com/3dmanufacturing/beamlattice/2017/02\" requiredextensions=\"b\"";
+    let message = error(&samples::threemf_model(beams, ""), MeshFormat::ThreeMf);
+    assert!(
+        message.contains("the required extension") && message.contains("beamlattice/2017/02"),
+        "{message}"
+    );
+    assert!(
+        error(&samples::threemf_model("requiredextensions=\"q\"", ""), MeshFormat::ThreeMf)
+            .contains("extension q")
+    );
+}
+
+#[test]
 fn threemf_bombs_are_refused() {
     let error = error(&samples::threemf_bomb(), MeshFormat::ThreeMf);
     assert!(error.contains("MiB") || error.contains("million"), "{error}");

@@ -126,6 +126,9 @@ fn damaged_files_end_in_a_mesh_or_an_error() {
         extra("glTF instances", MeshFormat::Gltf, samples::gltf_box(instancing, "", "")),
         extra("glTF morph", MeshFormat::Gltf, samples::gltf_morph("", ",\"weights\":[0.5]")),
     ]);
+    let config = "<config><object id=\"4\"><part id=\"3\" subtype=\"modifier_part\"/></object></config>";
+    let parts = samples::threemf_parts("model", "", ("Metadata/model_settings.config", config));
+    samples.push(extra("3MF of a slicer", MeshFormat::ThreeMf, parts));
     samples.extend(samples::polyhedra());
     let (vtu, vtk) = samples::vtk_ghosts("1 0 32 0");
     samples.extend([extra("VTU ghosts", MeshFormat::Vtu, vtu), extra("VTK ghosts", MeshFormat::Vtk, vtk)]);

@@ -280,6 +280,30 @@ pub fn threemf_assembly() -> Vec<u8> {
     zip(&files, zip::CompressionMethod::Deflated)
 }
 
+/// Object 1, object 3 of such a type, and object 4 with object 3 as its component; a further file.
+pub fn threemf_parts(kind: &str, item: &str, (path, text): (&str, &str)) -> Vec<u8> {
+    let rib = threemf_object(3).replace("type=\"model\"", &format!("type=\"{kind}\" name=\"rib\""));
+    let moved = "transform=\"1 0 0 0 1 0 0 0 1 50 0 0\"";
+    let whole =
+        format!("<object id=\"4\"><components><component objectid=\"3\" {moved}/></components></object>");
+    let items = format!(
+        "<item objectid=\"1\"/><item objectid=\"3\" transform=\"1 0 0 0 1 0 0 0 1 0 50 0\" {item}/><item objectid=\"4\"/>"
+    );
+    let main = threemf("meter", &(threemf_object(1) + &rib + &whole), &items);
+    zip(
+        &[("_rels/.rels", RELS.into()), ("3D/main.model", main), (path, text.into())],
+        zip::CompressionMethod::Stored,
+    )
+}
+
+/// Object 1, with more in its mesh, is built, object 2 not; the model has more attributes.
+pub fn threemf_model(attributes: &str, mesh: &str) -> Vec<u8> {
+    let first = threemf_object(1).replace("</triangles>", &format!("</triangles>{mesh}"));
+    let text = threemf("meter", &(first + &threemf_object(2)), "<item objectid=\"1\"/>");
+    let text = text.replace("<model ", &format!("<model {attributes} "));
+    zip(&[("_rels/.rels", RELS.into()), ("3D/main.model", text)], zip::CompressionMethod::Stored)
+}
+
 /// Forty objects, each twice the one before it.
 pub fn threemf_bomb() -> Vec<u8> {
     let mut resources = threemf_object(1);
