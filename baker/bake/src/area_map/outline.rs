@@ -10,6 +10,7 @@ use glam::DVec2;
 use std::path::Path;
 use volmap_formats::asset::{Asset, Attributes, Value};
 use volmap_formats::mesh::{self, Outline, parse_outline};
+use volmap_formats::text::significant;
 
 /// How a file's coordinates become metres: times the unit, then moved.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -120,7 +121,8 @@ pub fn warnings(asset: &Asset, phi: &OutlineDistance) -> Vec<String> {
     if x.max(y) > 1.5 * asset.support_radius {
         let cells = x.max(y) / asset.support_radius;
         out.push(format!(
-            "the cells are {cells:.1} support radii large: too coarse for the area; take more cells"
+            "the cells are {} support radii large: too coarse for the area; take more cells",
+            significant(cells, 2)
         ));
     }
     let reach = 2.0 * asset.support_radius + phi.thickness.abs() - 1e-6 * x.min(y);
