@@ -25,7 +25,7 @@ pub enum Compression {
 impl Default for Compression {
     /// Higher levels take far longer for little: `BENCHMARKS.md`.
     fn default() -> Self {
-        Compression::Gzip(3)
+        Compression::Gzip(2)
     }
 }
 
@@ -145,7 +145,7 @@ fn filtered(chunk: &[u8], element_size: usize, compression: Compression) -> std:
     let shuffled = filters::shuffle(chunk, element_size);
     let mut out = match compression {
         Compression::Zstd(level) => filters::zstd(&shuffled, level)?,
-        Compression::Gzip(level) => filters::deflate(&shuffled, level)?,
+        Compression::Gzip(level) => filters::deflate(&shuffled, level, element_size)?,
     };
     out.extend(filters::fletcher32(&out).to_le_bytes());
     Ok(out)
