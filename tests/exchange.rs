@@ -110,6 +110,31 @@ fn what_is_outside_is_told_by_the_border() {
 }
 
 #[test]
+fn fields_that_are_no_volume_are_refused() {
+    let asset = baked("sphere.obj", settings());
+    let grid = discregrid(&asset, true, &Watch::default()).unwrap();
+    // A density map of SPlisHSPlasH is 1 and more deep in the solid: 239 balls of this support radius.
+    let with = |change: &dyn Fn(f64) -> f64| {
+        let mut grid = grid.clone();
+        let stored = grid.fields[1].nodes.iter_mut().filter(|value| **value != UNSAMPLED);
+        stored.for_each(|value| *value = change(*value));
+        from_grid(&grid, &IMPORT)
+    };
+    let ball = asset.quadrature.ball_volume;
+    let error = with(&|volume| volume / ball).unwrap_err();
+    for part in
+        ["up to 1, 239 times the full ball", "probably a density map or a tube map", "0.6204 m would fit"]
+    {
+        assert!(error.contains(part), "no `{part}` in {error}");
+    }
+    assert!(with(&|volume| volume / 100.0).unwrap_err().contains("0.01 times the full ball"));
+    assert!(with(&|volume| -volume).unwrap_err().contains("a volume is not negative"));
+    // Maps of versions before 2.19.
+    let older = with(&|volume| 0.8 * volume).unwrap();
+    assert!(older.warnings[0].contains("0.8 of the full ball"), "{:?}", older.warnings);
+}
+
+#[test]
 fn deep_in_the_solid_the_distance_goes_on() {
     // Far more than the support radius lies beyond the band; distances there are known.
     for (solid, r) in [(SPHERE, 0.03), (TORUS, 0.02)] {

@@ -54,7 +54,7 @@ fn run(command: Command) -> Result<ExitCode> {
         Command::Export(arguments) => exchange::run_export(&arguments)?,
         Command::Import(arguments) => exchange::run_import(&arguments)?,
         Command::Reproduce(arguments) => reproduce::run_reproduce(&arguments)?,
-        Command::Completions { shell } => manual::run_completions(shell),
+        Command::Completions { shell } => manual::run_completions(shell)?,
         Command::Man { output } => manual::run_man(output.as_deref())?,
     }
     Ok(ExitCode::SUCCESS)

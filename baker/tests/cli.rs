@@ -52,6 +52,7 @@ fn bake_info_query() {
     assert_eq!(names(&folder), ["duck.h5"]);
     let text = output(volmap(&folder).args(["info", "duck.h5"]));
     assert!(text.contains("support_radius") && text.contains("duck.obj"), "{text}");
+    assert!(text.contains("`volmap export` writes .vtkhdf and .vti for ParaView, VTK, pyvista"), "{text}");
     let json: serde_json::Value =
         serde_json::from_str(&output(volmap(&folder).args(["info", "duck.h5", "--json"]))).unwrap();
     assert_eq!(json["support_radius"], 0.1);
@@ -296,6 +297,15 @@ fn bad_points_name_line_and_column() {
         ("x,y,z\n1,2,inf\n", "line 2: z is `inf`"),
         ("x,y,z\n1,2\n", "line: 2"),
         ("", "column `x`"),
+        ("x;y;z\n0,5;0,5;1,05\n", "`x;y;z`: it is parted by semicolons; write commas"),
+        ("x\ty\tz\n1\t2\t3\n", "it is parted by tabs; write commas"),
+        (
+            "0.5,0.5,1.05\n1,2,3\n",
+            "the numbers `0.5,0.5,1.05`; the first line must name the columns: add `x,y,z`",
+        ),
+        ("Points:0,Points:1,Points:2\n1,2,3\n", "the columns are `Points:0,Points:1,Points:2`: call those"),
+        ("x,y,z,X\n1,2,3,4\n", "2 columns are called `x`"),
+        ("\u{feff}x,y,w\n1,2,3\n", "no column `z`"),
     ];
     for (points, part) in cases {
         for format in [&[][..], &["--json"]] {
@@ -305,6 +315,69 @@ fn bad_points_name_line_and_column() {
             assert!(text.contains(part), "no `{part}` in {text}");
             assert!(query.output().unwrap().stdout.is_empty(), "a part of the answers");
         }
+    }
+}
+
+#[test]
+fn points_that_are_not_utf_8_say_so() {
+    let folder = folder();
+    output(volmap(&folder).arg("bake").arg(data("tank.obj")).args(["--resolution", "4", "-q", "-o", "t.h5"]));
+    let utf_16: Vec<u8> =
+        [0xFF, 0xFE].into_iter().chain("x,y,z\n1,2,3\n".encode_utf16().flat_map(u16::to_le_bytes)).collect();
+    for (bytes, part) in [
+        (utf_16.clone(), "UTF-16 text or no text at all: save the table as UTF-8"),
+        (utf_16[2..].to_vec(), "UTF-16"),
+        (b"name,x,y,z\na,1,2,3\nd\xe9,1,2,3\n".to_vec(), "line 3 is not UTF-8: save the table as UTF-8"),
+    ] {
+        let text = error(volmap(&folder).args(["query", "t.h5", "--points", "-"]).write_stdin(bytes));
+        assert!(text.contains(part), "{text}");
+    }
+}
+
+#[test]
+fn the_answers_of_an_answer_have_names_of_their_own() {
+    let folder = folder();
+    output(volmap(&folder).arg("bake").arg(data("tank.obj")).args(["--resolution", "4", "-q", "-o", "t.h5"]));
+    let query = ["query", "t.h5", "--points", "-"];
+    let first = output(volmap(&folder).args(query).write_stdin("x,y,z,volume_2\n0.1,0.1,0.1,7\n"));
+    let result =
+        volmap(&folder).args(query).write_stdin(first.clone()).assert().success().get_output().clone();
+    let (second, warning) =
+        (String::from_utf8(result.stdout).unwrap(), String::from_utf8(result.stderr).unwrap());
+    let header: Vec<&str> = second.lines().next().unwrap().split(',').collect();
+    assert_eq!(header[..13].join(","), first.lines().next().unwrap());
+    assert_eq!(header[13..].join(","), "distance_2,nx_2,ny_2,nz_2,cx_2,cy_2,cz_2,volume_3,region_2");
+    let row: Vec<&str> = second.lines().nth(1).unwrap().split(',').collect();
+    assert_eq!((row[3], &row[4..13]), ("7", &row[13..]));
+    assert!(warning.contains("warning: ") && warning.contains("volume_3"), "{warning}");
+}
+
+/// Whoever reads may have had enough, as `head` does.
+#[test]
+fn a_closed_pipe_ends_quietly() {
+    let folder = folder();
+    output(volmap(&folder).arg("bake").arg(data("tank.obj")).args(["--resolution", "4", "-q", "-o", "t.h5"]));
+    let rows =
+        (0..20_000).fold("x,y,z\n".to_owned(), |text, k| text + &format!("{},0,0\n", f64::from(k) / 1e4));
+    fs::write(folder.path().join("p.csv"), rows).unwrap();
+    for arguments in [
+        "query t.h5 --points p.csv",
+        "query t.h5 --points p.csv --json",
+        "completions bash",
+        "man",
+        "info t.h5",
+    ] {
+        let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_volmap"))
+            .current_dir(folder.path())
+            .args(arguments.split(' '))
+            .stdout(std::process::Stdio::piped())
+            .stderr(std::process::Stdio::piped())
+            .spawn()
+            .unwrap();
+        drop(child.stdout.take());
+        let result = child.wait_with_output().unwrap();
+        let text = String::from_utf8(result.stderr).unwrap();
+        assert!(result.status.success() && text.is_empty(), "{arguments}: {text}");
     }
 }
 

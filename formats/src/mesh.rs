@@ -11,7 +11,7 @@
 //! fixed multiple of the file's real size (see [`budget`]).
 //!
 //! Not guaranteed: that the mesh is closed, consistently oriented or free of self-intersections.
-//! Skins and morph targets of glTF are not applied.
+//! What a reader leaves out is named in [`RawMesh::notes`] and [`RawMesh::skipped`].
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -116,6 +116,22 @@ fn damaged_files_end_in_a_mesh_or_an_error() {
     let extra = |name, format, bytes| samples::Sample { name, format, bytes };
     samples.push(extra("glTF scene", MeshFormat::Gltf, samples::gltf_scene()));
     samples.push(extra("3MF assembly", MeshFormat::ThreeMf, samples::threemf_assembly()));
+    let skin = "{\"mesh\":0,\"skin\":0},{\"children\":[2]},{}";
+    let skins = ",\"skins\":[{\"joints\":[1,2],\"inverseBindMatrices\":6}]";
+    let skin = samples::gltf_box(skin, ",\"JOINTS_0\":4,\"WEIGHTS_0\":5", skins);
+    let instancing =
+        "{\"mesh\":0,\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"TRANSLATION\":2}}}}";
+    samples.extend([
+        extra("glTF skin", MeshFormat::Gltf, skin),
+        extra("glTF instances", MeshFormat::Gltf, samples::gltf_box(instancing, "", "")),
+        extra("glTF morph", MeshFormat::Gltf, samples::gltf_morph("", ",\"weights\":[0.5]")),
+    ]);
+    let config = "<config><object id=\"4\"><part id=\"3\" subtype=\"modifier_part\"/></object></config>";
+    let parts = samples::threemf_parts("model", "", ("Metadata/model_settings.config", config));
+    samples.push(extra("3MF of a slicer", MeshFormat::ThreeMf, parts));
+    samples.extend(samples::polyhedra());
+    let (vtu, vtk) = samples::vtk_ghosts("1 0 32 0");
+    samples.extend([extra("VTU ghosts", MeshFormat::Vtu, vtu), extra("VTK ghosts", MeshFormat::Vtk, vtk)]);
     for sample in &samples {
         let mut random = Random(0x5EED ^ sample.bytes.len() as u64);
         let mut meshes = 0;

@@ -115,15 +115,16 @@ pub fn warnings(summary: &Summary, maps: &Maps, settings: &BakeSettings) -> Vec<
     let cut = low.iter().chain(&high).copied().fold(0.0, f64::max);
     if cut > 0.0 {
         out.push(format!(
-            "the domain cuts the band of 2 support radii by up to {cut:.4} m; outside the domain the map \
-             answers as far from the surface"
+            "the domain cuts the band of 2 support radii by up to {} m; outside the domain the map \
+             answers as far from the surface",
+            digits(cut)
         ));
     }
     let cell = summary.plan.grid.cell_size.max_element();
     if cell > 1.5 * summary.plan.support_radius {
         out.push(format!(
-            "the cells are {:.1} support radii large: too coarse for the volume; take more cells",
-            cell / summary.plan.support_radius
+            "the cells are {} support radii large: too coarse for the volume; take more cells",
+            significant(cell / summary.plan.support_radius, 2)
         ));
     }
     if settings.map.thickness != 0.0 {
@@ -137,14 +138,22 @@ pub fn warnings(summary: &Summary, maps: &Maps, settings: &BakeSettings) -> Vec<
 
 fn mesh_warnings(summary: &Summary, out: &mut Vec<String>) {
     let found = &summary.diagnosis;
+    let cleaning = &summary.cleaning;
+    out.extend(cleaning.notes.iter().map(|note| format!("{}: {note}", summary.source.format)));
+    if cleaning.skipped.total() > 0 {
+        out.push(format!("left out, for they hold no surface: {}", cleaning.skipped));
+    }
     if let Some(hole) = found.boundary_loops.first() {
         let [x, y, z] = hole.centroid;
         out.push(format!(
-            "the mesh is open: {} rim{}, the longest {:.4} m long around ({x:.4}, {y:.4}, {z:.4}); close it, or \
+            "the mesh is open: {} rim{}, the longest {} m long around ({}, {}, {}); close it, or \
              check the sign there",
             found.boundary_loop_count,
             plural(found.boundary_loop_count),
-            hole.length
+            digits(hole.length),
+            digits(x),
+            digits(y),
+            digits(z)
         ));
     }
     if found.non_manifold_edges.count > 0 {
@@ -174,7 +183,10 @@ fn mesh_warnings(summary: &Summary, out: &mut Vec<String>) {
     }
     let size = (summary.bounds[1] - summary.bounds[0]).max_element();
     if !(1e-3..=1e4).contains(&size) {
-        out.push(format!("the mesh is {size:.3e} m large; if that isn't meant, give --unit or --scale"));
+        out.push(format!(
+            "the mesh is {} m large; if that isn't meant, give --unit or --scale",
+            digits(size)
+        ));
     }
 }
 
@@ -277,11 +289,18 @@ fn sign_warnings(summary: &Summary, maps: &Maps, settings: &BakeSettings, out: &
         let worst = signs.worst.first().map(|(at, distance)| (place(&[*at]), *distance));
         let (at, distance) = worst.unwrap_or_default();
         out.push(format!(
-            "pseudonormals and winding numbers differ at {} of {} nodes, the farthest {distance:.4} m from the \
+            "pseudonormals and winding numbers differ at {} of {} nodes, the farthest {} m from the \
              surface{at}",
-            signs.disagreeing, signs.points
+            signs.disagreeing,
+            signs.points,
+            digits(distance)
         ));
     }
+}
+
+/// Lengths with four digits.
+fn digits(length: f64) -> String {
+    significant(length, 4)
 }
 
 fn plural(n: usize) -> &'static str {
@@ -290,7 +309,7 @@ fn plural(n: usize) -> &'static str {
 
 fn place(places: &[[f64; 3]]) -> String {
     match places.first() {
-        Some([x, y, z]) => format!(", as at ({x:.4}, {y:.4}, {z:.4})"),
+        Some(place) => format!(", as at ({})", place.map(digits).join(", ")),
         None => String::new(),
     }
 }

@@ -6,7 +6,7 @@ use glam::DVec3;
 use serde::Serialize;
 use std::path::Path;
 use volmap_formats::mesh::{
-    self, CleanReport, CleanSettings, Faces, MeshError, Placement, RawMesh, Skipped, TriangleMesh,
+    self, CleanReport, CleanSettings, Faces, MeshError, Placement, RawMesh, TriangleMesh,
 };
 
 /// How a mesh file becomes a mesh.
@@ -98,14 +98,7 @@ pub fn from_arrays(
         format: ARRAYS.into(),
         blake3: hasher.finalize().to_hex().to_string(),
     };
-    let raw = RawMesh {
-        positions: vertices.to_vec(),
-        faces,
-        objects: 0,
-        unit: None,
-        format: ARRAYS,
-        skipped: Skipped::default(),
-    };
+    let raw = RawMesh { positions: vertices.to_vec(), faces, ..RawMesh::new(ARRAYS) };
     Ok(cleaned(raw, source, settings)?)
 }
 

@@ -381,10 +381,7 @@ parameters! {
     /// support radius, no volume by more than this fraction of the ball, no density by more than this fraction of
     /// rest density (0.01% or 1e-4); between the nodes by up to 5.75 times as much
     max_rounding: RoundingPart {
-        apply: |recipe, part| {
-            recipe.bake.map.precision = Precision::Rounded(part.0);
-            recipe.compression = ZSTD_OF_ROUNDED;
-        },
+        apply: |recipe, part| recipe.bake.map.precision = Precision::Rounded(part.0),
         placeholder: "FRACTION",
         example: "0.01%",
         section: Section::File,
@@ -399,15 +396,15 @@ parameters! {
         },
     }
 
-    /// Compression of the file: zstd, or gzip, which every HDF5 library reads without a plugin
+    /// Compression of the file: gzip, which every HDF5 library reads, or zstd, which is quicker and needs a plugin there
     compression: CompressionName {
         apply: |recipe, name| recipe.compression = match (name, recipe.bake.map.precision) {
             (CompressionName::Zstd, Precision::Rounded(_)) => ZSTD_OF_ROUNDED,
             (name, _) => name.into(),
         },
-        default: "zstd",
+        default: "gzip",
         placeholder: "COMPRESSION",
-        example: "gzip",
+        example: "zstd",
         section: Section::File,
         key: |recipe| Some(lower_case(recipe.compression)),
     }

@@ -6,6 +6,7 @@ use crate::volume_map::lattice::MAX_REACH;
 use glam::{DVec3, UVec3};
 use std::f64::consts::PI;
 use volmap_formats::asset::{Exterior, MAX_CELLS_PER_AXIS, MAX_ROWS, Rounded};
+use volmap_formats::text::significant;
 use volmap_runtime::Grid;
 
 /// The surface, as far as a plan needs it.
@@ -148,8 +149,9 @@ pub(crate) fn support_radius(extent: &Extent, settings: &MapSettings) -> Result<
     let [least, most] = SUPPORT_RADII;
     if !(least..=most).contains(&radius) {
         let reason = format!(
-            "{radius:.3e} m is outside {least:e} to {most:e} m; check the mesh's size ({diagonal:.3e} m), `unit` \
-            and `scale`"
+            "{} m is outside {least:e} to {most:e} m; check the mesh's size ({} m), `unit` and `scale`",
+            significant(radius, 4),
+            significant(diagonal, 4)
         );
         return Err(Error::setting("support_radius", reason));
     }
@@ -204,8 +206,10 @@ pub(crate) fn check_precision(grid: &Grid) -> Result<(), Error> {
         return Ok(());
     }
     let reason = format!(
-        "cells of {edge:.3e} m up to {farthest:.3e} m from the origin are beyond what the map can hold; move the mesh \
-         to the origin (`translate`) or check `domain`, `padding` and `thickness`"
+        "cells of {} m up to {} m from the origin are beyond what the map can hold; move the mesh \
+         to the origin (`translate`) or check `domain`, `padding` and `thickness`",
+        significant(edge, 4),
+        significant(farthest, 4)
     );
     Err(Error::setting("domain", reason))
 }

@@ -20,7 +20,7 @@ use rayon::prelude::*;
 use std::f64::consts::PI;
 use volmap_formats::asset::{Exterior, Rounded};
 use volmap_formats::mesh::TriangleMesh;
-use volmap_formats::text::percent;
+use volmap_formats::text::{percent, significant};
 use volmap_runtime::layout::serendipity::shape;
 use volmap_runtime::layout::{Cell, CellIndex};
 
@@ -209,11 +209,12 @@ fn beside(place: DVec3, radius: f64) -> impl Iterator<Item = DVec3> {
 /// The error doesn't fall as it should.
 fn stalled(tolerance: f64, cell: f64, max: f64) -> Error {
     let reason = format!(
-        "smaller cells don't bring the error to {}: it stays at {} at cells of {cell:.4} m. Walls and gaps \
+        "smaller cells don't bring the error to {}: it stays at {} at cells of {} m. Walls and gaps \
          thinner than the cells stay as wrong until cells are as thin: see `thickness`. Where a mesh is open the sign \
          jumps, which no cell follows: close it. Or take a finer `quadrature` or a larger tolerance",
         percent(tolerance),
-        percent(max)
+        percent(max),
+        significant(cell, 4)
     );
     Error::setting("tolerance", reason)
 }
@@ -231,8 +232,9 @@ fn out_of_reach(error: Error, tolerance: f64, tried: &[(f64, f64)]) -> Error {
         other => return other,
     };
     let reason = format!(
-        "{} needs cells smaller than {cell:.4} m, which leave an error of {}; {limit}, or take a larger tolerance",
+        "{} needs cells smaller than {} m, which leave an error of {}; {limit}, or take a larger tolerance",
         percent(tolerance),
+        significant(*cell, 4),
         percent(*max)
     );
     Error::setting("tolerance", reason)

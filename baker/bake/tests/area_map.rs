@@ -119,6 +119,7 @@ fn corners_are_the_integrals_over_them() {
     let square = Outline {
         points: vec![[0.0, 0.0], [0.3, 0.0], [0.3, 0.3], [0.0, 0.3]],
         segments: vec![[0, 1], [1, 2], [2, 3], [3, 0]],
+        ..Outline::default()
     };
     for invert in [false, true] {
         let phi = OutlineDistance::new(&square, invert, 0.0);

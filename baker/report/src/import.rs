@@ -15,6 +15,7 @@ use volmap_formats::asset::{
     QuadratureSpec, Value,
 };
 use volmap_formats::export::cdm::{self, DiscreteGrid, NODES, REMOVED, UNSAMPLED, local_node};
+use volmap_formats::text::{number, significant};
 use volmap_runtime::VolumeMap;
 use volmap_runtime::layout::{Cell, CellIndex, Nodes};
 
@@ -40,7 +41,8 @@ pub struct Import {
 ///
 /// # Errors
 /// A file that can't be read, isn't such a map or is damaged; one that has no volume, or none near the surface; one
-/// whose border is fluid and solid, without a word on what is outside; a radius that isn't a length.
+/// whose border is fluid and solid, without a word on what is outside; one that holds a density or another field instead
+/// of a volume; a radius that isn't a length.
 pub fn import(path: &Path, settings: &ImportSettings) -> Result<Import, Error> {
     let r = settings.support_radius;
     if !(r > 0.0 && r.is_finite() && (r * r * r).is_normal()) {
@@ -90,6 +92,7 @@ pub fn from_grid(grid: &DiscreteGrid, settings: &ImportSettings) -> Result<Impor
     let band_cells = runs(grid, &kinds, Kind::Band);
     let signed_distance = node_values(grid, distance, &band_cells)?;
     let volumes = node_values(grid, volume, &band_cells)?;
+    check_is_volume(&signed_distance, &volumes, settings.support_radius)?;
     let exterior = exterior(grid, &kinds, settings)?;
     let (ball_volume, warnings) = ball_volume(&signed_distance, &volumes, settings.support_radius);
     let asset = Asset {
@@ -214,6 +217,36 @@ fn exterior(grid: &DiscreteGrid, kinds: &[Kind], settings: &ImportSettings) -> R
     }
 }
 
+/// How many times the full ball a volume may be: that of a support radius 1.6 times as large, or half as large.
+const POSSIBLE: std::ops::RangeInclusive<f64> = 0.125..=4.0;
+
+/// Refuses values that can't be volumes: density maps and tube maps have the same file, and other numbers in it.
+fn check_is_volume(distances: &[f64], values: &[f64], r: f64) -> Result<(), String> {
+    let ball = 4.0 / 3.0 * PI * r * r * r;
+    let largest = values.iter().copied().fold(0.0, f64::max);
+    let smallest = values.iter().copied().fold(0.0, f64::min);
+    let is_deep = distances.iter().any(|d| *d <= -r);
+    let kind = "it is probably a density map or a tube map of SPlisHSPlasH, which holds no volume: bake the mesh instead";
+    if smallest < -1e-3 * ball {
+        return Err(format!(
+            "its second field is {} in places, and a volume is not negative; {kind}",
+            number(smallest)
+        ));
+    }
+    let part = largest / ball;
+    if part > *POSSIBLE.end() || (is_deep && part < *POSSIBLE.start()) {
+        let fits = significant((0.75 / PI * largest).cbrt(), 4);
+        return Err(format!(
+            "its second field is up to {}, {} times the full ball of a support radius of {} m; {kind}, or give the \
+             `support_radius` that it was made for ({fits} m would fit)",
+            number(largest),
+            number(part),
+            number(r)
+        ));
+    }
+    Ok(())
+}
+
 /// The largest volume at least r deep in the solid, where the whole ball is solid: that of the full ball as the
 /// program integrated it. And whether that is odd.
 fn ball_volume(distances: &[f64], volumes: &[f64], r: f64) -> (f64, Vec<String>) {
@@ -228,9 +261,9 @@ fn ball_volume(distances: &[f64], volumes: &[f64], r: f64) -> (f64, Vec<String>)
     let mut warnings = Vec::new();
     if !(0.95..1.05).contains(&(ball / exact)) {
         warnings.push(format!(
-            "deep in the solid the volume is {:.3} of the full ball: another `support_radius`, or a map of \
+            "deep in the solid the volume is {} of the full ball: another `support_radius`, or a map of \
              SPlisHSPlasH before 2.19, which multiplies all volumes by 0.8",
-            ball / exact
+            number(ball / exact)
         ));
     }
     (ball, warnings)

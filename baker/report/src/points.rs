@@ -1,15 +1,16 @@
 //! Points in, what a map says of them out: CSV rows, or JSON.
 
 use serde_json::{Value as Json, json};
-use std::io::{Read, Write};
+use std::io::{self, Read, Write};
+use volmap_formats::text::quoted;
 use volmap_runtime::{DVec3, MapDensity, Sample, VolumeMap};
 
 /// Why points can't be answered; `line` counts from 1.
 #[derive(Debug, thiserror::Error)]
 pub enum PointsError {
-    /// The table has no such column.
-    #[error("line 1: no column `{0}`; the first line must name the columns x, y and z")]
-    NoColumn(&'static str),
+    /// The table has no such column; what it has instead, and the cure.
+    #[error("line 1: {0}")]
+    Columns(String),
     /// A coordinate isn't a number.
     #[error("line {line}: {column} is `{text}`, not a finite number")]
     NotANumber {
@@ -20,12 +21,28 @@ pub enum PointsError {
         /// What stands there.
         text: String,
     },
-    /// The table can't be read or written.
-    #[error(transparent)]
-    Csv(#[from] csv::Error),
-    /// The answers can't be written.
-    #[error("can't write the answers: {0}")]
-    Io(#[from] std::io::Error),
+    /// The table isn't UTF-8.
+    #[error("{0}: save the table as UTF-8 text")]
+    Encoding(String),
+    /// The table can't be read as comma-separated values.
+    #[error("{0}")]
+    Csv(String),
+    /// The points can't be read or the answers not be written.
+    #[error("can't read the points or write the answers: {0}")]
+    Io(#[from] io::Error),
+}
+
+impl From<csv::Error> for PointsError {
+    fn from(error: csv::Error) -> PointsError {
+        let text = error.to_string();
+        match error.into_kind() {
+            csv::ErrorKind::Io(error) => PointsError::Io(error),
+            csv::ErrorKind::Utf8 { pos, .. } => {
+                PointsError::Encoding(format!("line {} is not UTF-8", pos.map_or(1, |pos| pos.line())))
+            }
+            _ => PointsError::Csv(text),
+        }
+    }
 }
 
 const COLUMNS: [&str; 9] = ["distance", "nx", "ny", "nz", "cx", "cy", "cz", "volume", "region"];
@@ -36,15 +53,21 @@ const DENSITY_COLUMNS: [&str; 4] = ["density", "gx", "gy", "gz"];
 /// and region (`band`, `outside` or `deep_inside`), and density and its gradient if the map has them. Outside the band
 /// only volume and region are known; density and gradient too, unless deep inside.
 ///
+/// Where the table has a column of such a name already, as the answers of an earlier query have, the new one is called
+/// `distance_2` and so on. Returns those names.
+///
 /// # Errors
-/// A table without these columns, or with a coordinate that is no number.
-pub fn query_csv(map: &VolumeMap, points: impl Read, out: impl Write) -> Result<(), PointsError> {
+/// A table without these columns or with two of them, with a coordinate that is no number, or that isn't UTF-8.
+pub fn query_csv(map: &VolumeMap, points: impl Read, out: impl Write) -> Result<Vec<String>, PointsError> {
     let mut table = read(points)?;
     let mut writer = csv::Writer::from_writer(out);
-    COLUMNS.iter().for_each(|name| table.header.push_field(name));
     let has_density = map.density_kernel().is_some();
-    if has_density {
-        DENSITY_COLUMNS.iter().for_each(|name| table.header.push_field(name));
+    let names = COLUMNS.iter().chain(DENSITY_COLUMNS.iter().filter(|_| has_density));
+    let mut renamed = Vec::new();
+    for name in names {
+        let free = free_name(&table.header, name);
+        renamed.extend((free != *name).then(|| free.clone()));
+        table.header.push_field(&free);
     }
     writer.write_record(&table.header)?;
     for (record, at) in &mut table.rows {
@@ -54,7 +77,15 @@ pub fn query_csv(map: &VolumeMap, points: impl Read, out: impl Write) -> Result<
         }
         writer.write_record(&*record)?;
     }
-    Ok(writer.flush()?)
+    writer.flush()?;
+    Ok(renamed)
+}
+
+/// The name, or the name with the least number from 2 on that no column has.
+fn free_name(header: &csv::StringRecord, name: &str) -> String {
+    let taken = |name: &String| header.iter().any(|field| field == name);
+    let numbered = (2..).map(|n| format!("{name}_{n}"));
+    std::iter::once(name.to_owned()).chain(numbered).find(|name| !taken(name)).unwrap_or_default()
 }
 
 /// As [`query_csv`], as a JSON array of objects; what isn't known is null.
@@ -77,8 +108,16 @@ struct Table {
     rows: Vec<(csv::StringRecord, DVec3)>,
 }
 
-fn read(points: impl Read) -> Result<Table, PointsError> {
-    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(points);
+fn read(mut points: impl Read) -> Result<Table, PointsError> {
+    let mut bytes = Vec::new();
+    points.read_to_end(&mut bytes)?;
+    if bytes.starts_with(b"\xFF\xFE")
+        || bytes.starts_with(b"\xFE\xFF")
+        || bytes.iter().take(4).any(|byte| *byte == 0)
+    {
+        return Err(PointsError::Encoding("the table is UTF-16 text or no text at all".into()));
+    }
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(&*bytes);
     let header = reader.headers()?.clone();
     let columns = coordinates(&header)?;
     let mut rows = Vec::new();
@@ -90,12 +129,50 @@ fn read(points: impl Read) -> Result<Table, PointsError> {
     Ok(Table { header, rows })
 }
 
+const AXES: [&str; 3] = ["x", "y", "z"];
+
 fn coordinates(header: &csv::StringRecord) -> Result<[usize; 3], PointsError> {
-    let find = |name: &'static str| {
+    let mut columns = [0; 3];
+    for (column, name) in columns.iter_mut().zip(AXES) {
         let is_it = |field: &str| field.trim_start_matches('\u{feff}').eq_ignore_ascii_case(name);
-        header.iter().position(is_it).ok_or(PointsError::NoColumn(name))
+        let found: Vec<usize> = (0..header.len()).filter(|&k| is_it(&header[k])).collect();
+        *column = match found[..] {
+            [one] => one,
+            [] => return Err(PointsError::Columns(no_column(header, name))),
+            _ => {
+                return Err(PointsError::Columns(format!(
+                    "{} columns are called `{name}`: rename all but one",
+                    found.len()
+                )));
+            }
+        };
+    }
+    Ok(columns)
+}
+
+/// What a table's first line has instead of a column, and the cure.
+fn no_column(header: &csv::StringRecord, name: &str) -> String {
+    const LONGEST: usize = 80;
+    let line = quoted(&header.iter().collect::<Vec<_>>().join(","), LONGEST);
+    let is_number = |field: &str| field.parse::<f64>().is_ok();
+    let separator = match header.get(0).filter(|_| header.len() == 1).unwrap_or("") {
+        field if field.contains(';') => Some("semicolons"),
+        field if field.contains('\t') => Some("tabs"),
+        field if field.contains(' ') => Some("blanks"),
+        _ => None,
     };
-    Ok([find("x")?, find("y")?, find("z")?])
+    if let Some(separator) = separator {
+        return format!(
+            "no column `{name}` in `{line}`: it is parted by {separator}; write commas between the columns, and points in \
+             decimal numbers"
+        );
+    }
+    if !header.is_empty() && header.iter().all(is_number) {
+        return format!(
+            "no column `{name}`, but the numbers `{line}`; the first line must name the columns: add `x,y,z`"
+        );
+    }
+    format!("no column `{name}`; the columns are `{line}`: call those with the places, in metres, x, y and z")
 }
 
 fn point(record: &csv::StringRecord, columns: [usize; 3]) -> Result<DVec3, PointsError> {
@@ -104,7 +181,7 @@ fn point(record: &csv::StringRecord, columns: [usize; 3]) -> Result<DVec3, Point
         let parsed = text.parse().ok().filter(|x: &f64| x.is_finite());
         parsed.ok_or_else(|| PointsError::NotANumber {
             line: record.position().map_or(0, |position| position.line()),
-            column: ["x", "y", "z"][axis],
+            column: AXES[axis],
             text: text.to_owned(),
         })
     };

@@ -4,13 +4,16 @@ use crate::args::Arguments;
 use anyhow::{Context, Result};
 use clap::CommandFactory;
 use clap_complete::Shell;
-use std::io;
+use std::io::{self, Write};
 use std::path::Path;
 use volmap_formats::asset;
 
 /// Prints completions for a shell.
-pub fn run_completions(shell: Shell) {
-    clap_complete::generate(shell, &mut Arguments::command(), "volmap", &mut io::stdout().lock());
+pub fn run_completions(shell: Shell) -> Result<()> {
+    // Into memory first: the generator panics where a pipe is closed.
+    let mut text = Vec::new();
+    clap_complete::generate(shell, &mut Arguments::command(), "volmap", &mut text);
+    Ok(io::stdout().lock().write_all(&text)?)
 }
 
 /// Prints the page of the program, or writes those of all commands.

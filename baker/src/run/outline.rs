@@ -7,7 +7,7 @@ use anyhow::{Result, bail};
 use std::io::{self, Write};
 use volmap_bake::area_map::outline::bake_file;
 use volmap_formats::asset::{self, Asset, Value};
-use volmap_formats::text::{bytes, thousands};
+use volmap_formats::text::{bytes, significant, thousands};
 use volmap_report::info;
 
 /// Bakes an outline and says what came of it.
@@ -42,8 +42,10 @@ fn summary(asset: &Asset) -> String {
     let [width, height, _] = asset.grid.cell_size;
     let cells: u64 = asset.band_cells.iter().map(|run| u64::from(run.len)).sum();
     let mut out = format!(
-        "support    {} m\ngrid       {x} x {y} cells of {width:.4} x {height:.4} m\nband       {} cells, {} nodes\n",
+        "support    {} m\ngrid       {x} x {y} cells of {} x {} m\nband       {} cells, {} nodes\n",
         asset.support_radius,
+        significant(width, 4),
+        significant(height, 4),
         thousands(cells),
         thousands(asset.volume.len() as u64),
     );

@@ -28,9 +28,14 @@ pub fn run_query(path: &Path, table: &Path, json: bool) -> Result<()> {
         false => Box::new(std::fs::File::open(table).with_context(name)?),
     };
     let mut out = BufWriter::new(io::stdout().lock());
-    match json {
-        true => points::query_json(&map, points, &mut out).with_context(name)?,
-        false => points::query_csv(&map, points, &mut out).with_context(name)?,
+    let renamed = match json {
+        true => points::query_json(&map, points, &mut out).map(|()| Vec::new()),
+        false => points::query_csv(&map, points, &mut out),
+    };
+    let renamed = renamed.with_context(name)?;
+    if !renamed.is_empty() {
+        let columns = renamed.join(", ");
+        eprintln!("warning: {} has columns of the answers' names; the new ones are {columns}", name());
     }
     Ok(out.flush()?)
 }

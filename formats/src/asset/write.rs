@@ -1,6 +1,6 @@
 //! A [`Tree`] into HDF5 bytes. The one file that knows the crate `rust-hdf5`.
 //!
-//! The chunks are filtered here and handed over ready, so that the bytes depend on `zstd` and `flate2` only.
+//! The chunks are filtered here and handed over ready, so that the bytes depend on `zlib-rs` and `zstd` only.
 //! Text attributes are fixed-length UTF-8 with a trailing NUL: libhdf5's C API can't read that crate's
 //! variable-length ones.
 
@@ -10,22 +10,22 @@ use super::read::read_tree;
 use super::schema::asset_from_tree;
 use super::tree::{Array, Attributes, Dataset, Tree, Value};
 use rayon::prelude::*;
-use rust_hdf5::{DatatypeMessage, Filter, FilterPipeline, H5Dataset, H5File, H5Group, H5Type};
+use rust_hdf5::{DatatypeMessage, Filter, FilterPipeline, H5Dataset, H5File, H5Group, H5Type, LibverBound};
 use std::io::Read;
 
 /// How the datasets are compressed; both filters keep every bit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Compression {
-    /// Zstandard (HDF5 filter 32015), level 1 to 22.
-    Zstd(i32),
-    /// gzip (HDF5 filter 1), level 1 to 9: for readers without plugins.
+    /// gzip (HDF5 filter 1), level 1 to 9: every HDF5 library reads it.
     Gzip(u32),
+    /// Zstandard (HDF5 filter 32015), level 1 to 22: quicker to write and to read, for readers with its plugin.
+    Zstd(i32),
 }
 
 impl Default for Compression {
     /// Higher levels take far longer for little: `BENCHMARKS.md`.
     fn default() -> Self {
-        Compression::Zstd(3)
+        Compression::Gzip(2)
     }
 }
 
@@ -51,7 +51,8 @@ pub(super) fn encode(tree: &Tree, compression: Compression) -> Result<Vec<u8>, A
 /// its name as soon as it is open, so that killed programs leave nothing. (On Windows open files keep their names.)
 fn to_bytes(tree: &Tree, compression: Compression) -> Result<Vec<u8>, AssetError> {
     let scratch = tempfile::Builder::new().prefix("volmap-").suffix(".h5").tempfile()?;
-    let file = H5File::create(scratch.path()).map_err(asset_error)?;
+    // The index of chunks that HDF5 1.8 has: readers in pure Python and JavaScript know no newer one.
+    let file = H5File::options().libver(LibverBound::V18).create(scratch.path()).map_err(asset_error)?;
     let (mut content, name) = scratch.into_parts();
     #[cfg(unix)]
     name.close()?;
@@ -144,7 +145,7 @@ fn filtered(chunk: &[u8], element_size: usize, compression: Compression) -> std:
     let shuffled = filters::shuffle(chunk, element_size);
     let mut out = match compression {
         Compression::Zstd(level) => filters::zstd(&shuffled, level)?,
-        Compression::Gzip(level) => filters::deflate(&shuffled, level)?,
+        Compression::Gzip(level) => filters::deflate(&shuffled, level, element_size)?,
     };
     out.extend(filters::fletcher32(&out).to_le_bytes());
     Ok(out)

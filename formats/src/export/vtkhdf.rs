@@ -134,7 +134,7 @@ fn write_array<T: H5Type>(
         let mut chunk = bytes(first..shape[0].min(first + chunk_shape[0]));
         // HDF5 stores the last chunk whole.
         chunk.resize(chunk_shape[0] * row * element, 0);
-        filters::deflate(&filters::shuffle(&chunk, element), GZIP_LEVEL)
+        filters::deflate(&filters::shuffle(&chunk, element), GZIP_LEVEL, element)
     });
     for (index, chunk) in chunks.collect::<std::io::Result<Vec<_>>>()?.iter().enumerate() {
         created.write_chunk_raw(index, chunk, 0)?;

@@ -52,6 +52,8 @@ pub struct CleanReport {
     pub unreferenced: usize,
     /// Elements of the file that hold no surface.
     pub skipped: Skipped,
+    /// What else the reader left out, or took otherwise than one may expect: a sentence each, for warnings.
+    pub notes: Vec<String>,
 }
 
 /// Welds, triangulates and drops what is degenerate or double. See [`CleanReport`].
@@ -66,8 +68,13 @@ pub fn clean(raw: RawMesh, settings: &CleanSettings) -> Result<(TriangleMesh, Cl
     }
     raw.check()?;
     raw.check_not_empty()?;
-    let mut report =
-        CleanReport { objects: raw.objects, unit: raw.unit, skipped: raw.skipped, ..CleanReport::default() };
+    let mut report = CleanReport {
+        objects: raw.objects,
+        unit: raw.unit,
+        skipped: raw.skipped,
+        notes: raw.notes.clone(),
+        ..CleanReport::default()
+    };
     let target = weld::weld(&raw.positions, tolerance);
     report.welded = target.iter().enumerate().filter(|&(k, &to)| to as usize != k).count();
     let triangles = triangulate_all(&raw, &target, &mut report);

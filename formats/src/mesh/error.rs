@@ -1,7 +1,6 @@
 //! What can go wrong with a mesh file, with the place and the cure. The text is complete in itself; `source()` repeats
 //! nothing of it.
 
-use super::skipped::Skipped;
 use crate::text::quoted;
 use std::path::{Path, PathBuf};
 
@@ -52,7 +51,7 @@ pub enum MeshError {
         /// What is used.
         feature: String,
         /// What to do instead.
-        cure: &'static str,
+        cure: String,
     },
     /// Points only.
     #[error("a point cloud: {points} points and no faces; {RECONSTRUCT}")]
@@ -61,10 +60,10 @@ pub enum MeshError {
         points: usize,
     },
     /// Nothing that bounds a solid.
-    #[error("the mesh has no faces ({skipped}); export its surface as triangles or polygons")]
+    #[error("the mesh has no faces ({left_out}); export its surface as triangles or polygons")]
     NoFaces {
         /// What it has instead.
-        skipped: Skipped,
+        left_out: String,
     },
     /// All faces collapsed.
     #[error(
@@ -120,9 +119,9 @@ impl MeshError {
     pub(super) fn unsupported(
         format: &'static str,
         feature: impl Into<String>,
-        cure: &'static str,
+        cure: impl Into<String>,
     ) -> MeshError {
-        MeshError::Unsupported { format, feature: printable(feature.into()), cure }
+        MeshError::Unsupported { format, feature: printable(feature.into()), cure: printable(cure.into()) }
     }
 }
 

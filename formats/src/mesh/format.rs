@@ -18,6 +18,7 @@ mod strangers;
 mod threemf;
 mod vtk;
 mod vtk_cells;
+mod vtk_ghosts;
 mod vtk_xml;
 mod xml;
 

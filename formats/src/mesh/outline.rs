@@ -4,8 +4,9 @@
 use std::path::Path;
 
 use super::error::MeshError;
-use super::format::obj::{self, face, logical_line, position};
+use super::format::obj::{self, LeftOut, face, logical_line, position};
 use super::guard;
+use super::skipped::Skipped;
 use super::text::{Words, words};
 
 /// Closed lines in the plane. What they enclose an odd number of times is inside, whichever way round they run.
@@ -16,6 +17,8 @@ pub struct Outline {
     /// Pairs of indices into `points`, which are in range and of different places. Every point has an even number of
     /// segments.
     pub segments: Vec<[u32; 2]>,
+    /// What was left out of the file: a sentence each, for warnings.
+    pub notes: Vec<String>,
 }
 
 /// Reads the outline in the bytes of an OBJ file; `path` is named in errors.
@@ -35,10 +38,12 @@ fn read(bytes: &[u8]) -> Result<Outline, MeshError> {
         let Some(line) = logical_line(&mut lines) else { break };
         let mut words = words(&line);
         match words.next() {
-            Some(b"v") => reader.positions.push(position(&here, words)?),
-            Some(b"l") => reader.add_line(&here, words)?,
-            Some(b"f" | b"fo") => reader.faces += 1,
-            _ => {}
+            Some(b"v" | b"V") => reader.positions.push(position(&here, words)?),
+            Some(b"l" | b"L") => reader.add_line(&here, words)?,
+            Some(b"f" | b"fo" | b"F" | b"FO") => reader.skipped.other += 1,
+            Some(b"p" | b"P") => reader.skipped.points += 1,
+            Some(word) => reader.left_out.add(word, &here, &mut reader.skipped),
+            None => {}
         }
     }
     reader.finish(&lines)
@@ -48,7 +53,9 @@ fn read(bytes: &[u8]) -> Result<Outline, MeshError> {
 struct Reader {
     positions: Vec<[f64; 3]>,
     segments: Vec<[u32; 2]>,
-    faces: usize,
+    /// Faces and curves are the other elements.
+    skipped: Skipped,
+    left_out: LeftOut,
 }
 
 impl Reader {
@@ -65,17 +72,21 @@ impl Reader {
     }
 
     fn finish(self, end: &Words) -> Result<Outline, MeshError> {
-        let Reader { positions, mut segments, faces } = self;
+        let Reader { positions, mut segments, skipped, left_out } = self;
         segments.retain(|&[a, b]| positions[a as usize][..2] != positions[b as usize][..2]);
         if segments.is_empty() {
-            let instead = if faces > 0 { "faces: read it as a mesh" } else { "none" };
+            let instead = if skipped.other > 0 { "faces: read it as a mesh" } else { "none" };
             return Err(end.bad(format!(
                 "an outline is made of line elements, `l 1 2 3 1`, and the file has {instead}"
             )));
         }
         check_flat(&positions, &segments, end)?;
         check_closed(&positions, &segments, end)?;
-        Ok(Outline { points: positions.iter().map(|&[x, y, _]| [x, y]).collect(), segments })
+        let mut notes: Vec<String> = left_out.note().into_iter().collect();
+        if skipped.total() > 0 {
+            notes.push(format!("left out, for they are no lines: {skipped}"));
+        }
+        Ok(Outline { points: positions.iter().map(|&[x, y, _]| [x, y]).collect(), segments, notes })
     }
 }
 
@@ -123,7 +134,8 @@ mod tests {
     #[test]
     fn lines_of_any_length_are_read() {
         let segments = vec![[0, 1], [1, 2], [2, 3], [3, 0]];
-        let expected = Outline { points: vec![[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]], segments };
+        let expected =
+            Outline { points: vec![[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]], segments, notes: vec![] };
         for lines in ["l 1 2 3 4 1", "l 1 2\nl 2 3 \\\n 4\nl 4 1", "l -4/1 -3/2 -2\nl 3 4 4 1\nvn 0 0 1"] {
             assert_eq!(parse(&format!("{SQUARE}{lines}\n")).as_ref(), Ok(&expected), "{lines}");
         }

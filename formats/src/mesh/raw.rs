@@ -21,6 +21,8 @@ pub struct RawMesh {
     pub format: &'static str,
     /// What the file has besides faces.
     pub skipped: Skipped,
+    /// What else was left out, or is taken otherwise than one may expect: a sentence each, for warnings.
+    pub notes: Vec<String>,
 }
 
 /// Polygons as one list of corners. Corners are indices into the positions.
@@ -80,6 +82,7 @@ impl RawMesh {
             unit: None,
             format,
             skipped: Skipped::default(),
+            notes: Vec::new(),
         }
     }
 
@@ -158,6 +161,11 @@ impl RawMesh {
         if self.skipped.lines + self.skipped.other == 0 && !self.positions.is_empty() {
             return Err(MeshError::PointCloud { points: self.positions.len() });
         }
-        Err(MeshError::NoFaces { skipped: self.skipped })
+        let left_out = match (self.skipped.total(), self.notes.is_empty()) {
+            (0, false) => self.notes.join("; "),
+            (_, true) => format!("left out: {}", self.skipped),
+            (_, false) => format!("left out: {}; {}", self.skipped, self.notes.join("; ")),
+        };
+        Err(MeshError::NoFaces { left_out })
     }
 }

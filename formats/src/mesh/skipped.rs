@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::text::thousands;
+
 /// Elements that hold no surface, counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Skipped {
@@ -20,8 +22,14 @@ impl Skipped {
     }
 }
 
+/// `2 points, 1 line`; `nothing`.
 impl fmt::Display for Skipped {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} points, {} lines, {} other elements", self.points, self.lines, self.other)
+        let kinds = [(self.points, "point"), (self.lines, "line"), (self.other, "other element")];
+        let found = kinds.iter().filter(|(n, _)| *n > 0);
+        let text = found
+            .map(|&(n, name)| format!("{} {name}{}", thousands(n as u64), if n == 1 { "" } else { "s" }));
+        let text = text.collect::<Vec<_>>().join(", ");
+        f.write_str(if text.is_empty() { "nothing" } else { &text })
     }
 }

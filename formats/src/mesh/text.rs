@@ -28,6 +28,11 @@ impl<'a> Words<'a> {
         &self.bytes[self.at..]
     }
 
+    /// The line of what comes next, counted from 1.
+    pub fn line(&self) -> usize {
+        self.line
+    }
+
     /// Byte offset from the start of the file.
     pub fn offset(&self) -> usize {
         self.at
@@ -138,7 +143,7 @@ pub fn parse<T: std::str::FromStr>(word: &[u8]) -> Option<T> {
 }
 
 pub fn any_number(word: &[u8]) -> Option<f64> {
-    if let Ok(value) = fast_float2::parse(word) {
+    if let Some(value) = decimal(word) {
         return Some(value);
     }
     // C writes NaN in more ways than Rust reads.
@@ -151,7 +156,19 @@ pub fn any_number(word: &[u8]) -> Option<f64> {
 }
 
 pub fn number(word: &[u8]) -> Option<f64> {
-    fast_float2::parse(word).ok().filter(|value: &f64| value.abs() <= MAX_COORDINATE)
+    decimal(word).filter(|value: &f64| value.abs() <= MAX_COORDINATE)
+}
+
+fn decimal(word: &[u8]) -> Option<f64> {
+    fast_float2::parse(word).ok().or_else(|| fortran(word))
+}
+
+/// Fortran writes double precision as `1.0D+00`.
+fn fortran(word: &[u8]) -> Option<f64> {
+    let at = word.iter().position(|b| matches!(b, b'd' | b'D'))?;
+    let mut word = word.to_vec();
+    word[at] = b'e';
+    fast_float2::parse(&word).ok()
 }
 
 /// The number that a text starts with, finite and not beyond 1e100, and its length. What follows is for the caller to
@@ -199,9 +216,13 @@ mod tests {
         let words = "0 -0 +1 1. .5 -.25 007 0.1 -123.456 1e5 1E-5 2.5e+07 9007199254740993 9007199254740992e22 1e23 \
                      1e-23 1.7e-21 0.000000000000000001 0.30000000000000004 18446744073709551616 1e99999 1e-99999 \
                      4.9e-324 1e100 1.0000000000000001e100 1.0000000000000002e100";
-        let others = "- + . e5 1e 1e+ nan -inf infinity -.e1 1_0 0x1 1d5 --1 +-1";
+        let others = "- + . e5 1e 1e+ nan -inf infinity -.e1 1_0 0x1 1d d5 1d5d --1 +-1";
         others.split_ascii_whitespace().for_each(agrees);
         words.split_ascii_whitespace().for_each(agrees);
+        assert_eq!(
+            ["1.0D+00", "-2.5d-1", "1d5"].map(|word| number(word.as_bytes()).unwrap()),
+            [1.0, -0.25, 1e5]
+        );
         assert_eq!(number_at_start(b"1.5/2"), Some((1.5, 3)));
         assert_eq!(number_at_start(b"nan 1"), None);
         assert!(number(b"").is_none() && any_number(b"-1.#IND").is_some_and(f64::is_nan));

@@ -54,7 +54,7 @@ fn stl_ascii(first: &str) -> Vec<u8> {
     (text + "endsolid\n").into_bytes()
 }
 
-fn stl_binary() -> Vec<u8> {
+pub fn stl_binary() -> Vec<u8> {
     let mut bytes = b"solid but binary, with facet".to_vec();
     bytes.resize(80, b' ');
     bytes.extend((triangles().len() as u32).to_le_bytes());
@@ -160,6 +160,80 @@ pub fn gltf_scene() -> Vec<u8> {
     .into_bytes()
 }
 
+/// A glTF of its own scene with node 0 at its top, from accessors: as their types, component types and bytes.
+fn gltf_of(nodes: &str, mesh: &str, more: &str, accessors: &[(&str, u32, Vec<u8>)]) -> Vec<u8> {
+    let (mut buffer, mut views, mut entries) = (Vec::new(), Vec::new(), Vec::new());
+    for (k, (shape, kind, bytes)) in accessors.iter().enumerate() {
+        let width = [("SCALAR", 1), ("VEC3", 3), ("VEC4", 4), ("MAT4", 16)]
+            .iter()
+            .find(|(n, _)| n == shape)
+            .unwrap()
+            .1;
+        let size = [(5121, 1), (5123, 2), (5126, 4)].iter().find(|(n, _)| n == kind).unwrap().1;
+        views.push(format!(
+            "{{\"buffer\":0,\"byteOffset\":{},\"byteLength\":{}}}",
+            buffer.len(),
+            bytes.len()
+        ));
+        entries.push(format!(
+            "{{\"bufferView\":{k},\"componentType\":{kind},\"type\":\"{shape}\",\"count\":{}}}",
+            bytes.len() / width / size
+        ));
+        buffer.extend(bytes);
+    }
+    format!(
+        "{{\"asset\":{{\"version\":\"2.0\"}},\"scene\":0,\"scenes\":[{{\"nodes\":[0]}}],\"nodes\":[{nodes}],\
+         \"meshes\":[{{\"primitives\":[{{{mesh}}}]}}]{more},\"accessors\":[{}],\"bufferViews\":[{}],\
+         \"buffers\":[{{\"uri\":\"{}\",\"byteLength\":{}}}]}}",
+        entries.join(","),
+        views.join(","),
+        data_uri(&buffer),
+        buffer.len()
+    )
+    .into_bytes()
+}
+
+fn f32s(values: impl IntoIterator<Item = f32>) -> Vec<u8> {
+    values.into_iter().flat_map(f32::to_le_bytes).collect()
+}
+
+/// The box with accessors for instances (2: three places, 3: three scales) and skins (4: joints, 5: weights, 6: two inverse
+/// bind matrices that move by 1 in x).
+pub fn gltf_box(nodes: &str, attributes: &str, more: &str) -> Vec<u8> {
+    let buffer = gltf_buffer();
+    let weights = (0..8).flat_map(|k| if k < 4 { [1.0, 0.0, 0.0, 0.0] } else { [0.5, 0.5, 0.0, 0.0] });
+    let mut bind = [0.0; 16];
+    [0, 5, 10, 15, 12].into_iter().for_each(|k| bind[k] = 1.0);
+    let accessors = [
+        ("VEC3", 5126, buffer[..96].to_vec()),
+        ("SCALAR", 5123, buffer[96..].to_vec()),
+        ("VEC3", 5126, f32s([0.0, 0.0, 0.0, 100.0, 0.0, 0.0, 0.0, 100.0, 0.0])),
+        ("VEC3", 5126, f32s([1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 3.0, 3.0, -3.0])),
+        ("VEC4", 5121, [0u8, 1, 0, 0].repeat(8)),
+        ("VEC4", 5126, f32s(weights)),
+        ("MAT4", 5126, f32s(bind.into_iter().chain(bind))),
+    ];
+    let mesh = format!("\"attributes\":{{\"POSITION\":0{attributes}}},\"indices\":1");
+    gltf_of(nodes, &mesh, more, &accessors)
+}
+
+/// The box with a morph target that moves its upper four vertices by 10 in z.
+pub fn gltf_morph(node: &str, weights: &str) -> Vec<u8> {
+    let buffer = gltf_buffer();
+    let moves = (0..8).flat_map(|k| [0.0, 0.0, if k < 4 { 0.0 } else { 10.0 }]);
+    let accessors = [
+        ("VEC3", 5126, buffer[..96].to_vec()),
+        ("SCALAR", 5123, buffer[96..].to_vec()),
+        ("VEC3", 5126, f32s(moves)),
+    ];
+    let mesh = "\"attributes\":{\"POSITION\":0},\"indices\":1,\"targets\":[{\"POSITION\":2}]";
+    let text = gltf_of(&format!("{{\"mesh\":0{node}}}"), mesh, "", &accessors);
+    String::from_utf8(text)
+        .unwrap()
+        .replace("}]}]}],\"acc", &format!("}}]}}]{weights}}}],\"acc"))
+        .into_bytes()
+}
+
 fn zip(files: &[(&str, String)], method: zip::CompressionMethod) -> Vec<u8> {
     let mut writer = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
     let options = zip::write::SimpleFileOptions::default().compression_method(method);
@@ -204,6 +278,30 @@ pub fn threemf_assembly() -> Vec<u8> {
     let other = threemf("inch", &threemf_object(7), "");
     let files = [("_rels/.rels", RELS.into()), ("3D/other.model", other), ("3D/main.model", main)];
     zip(&files, zip::CompressionMethod::Deflated)
+}
+
+/// Object 1, object 3 of such a type, and object 4 with object 3 as its component; a further file.
+pub fn threemf_parts(kind: &str, item: &str, (path, text): (&str, &str)) -> Vec<u8> {
+    let rib = threemf_object(3).replace("type=\"model\"", &format!("type=\"{kind}\" name=\"rib\""));
+    let moved = "transform=\"1 0 0 0 1 0 0 0 1 50 0 0\"";
+    let whole =
+        format!("<object id=\"4\"><components><component objectid=\"3\" {moved}/></components></object>");
+    let items = format!(
+        "<item objectid=\"1\"/><item objectid=\"3\" transform=\"1 0 0 0 1 0 0 0 1 0 50 0\" {item}/><item objectid=\"4\"/>"
+    );
+    let main = threemf("meter", &(threemf_object(1) + &rib + &whole), &items);
+    zip(
+        &[("_rels/.rels", RELS.into()), ("3D/main.model", main), (path, text.into())],
+        zip::CompressionMethod::Stored,
+    )
+}
+
+/// Object 1, with more in its mesh, is built, object 2 not; the model has more attributes.
+pub fn threemf_model(attributes: &str, mesh: &str) -> Vec<u8> {
+    let first = threemf_object(1).replace("</triangles>", &format!("</triangles>{mesh}"));
+    let text = threemf("meter", &(first + &threemf_object(2)), "<item objectid=\"1\"/>");
+    let text = text.replace("<model ", &format!("<model {attributes} "));
+    zip(&[("_rels/.rels", RELS.into()), ("3D/main.model", text)], zip::CompressionMethod::Stored)
 }
 
 /// Forty objects, each twice the one before it.
@@ -297,13 +395,60 @@ fn raw_block(data: &[u8]) -> Vec<u8> {
     [&(data.len() as u64).to_le_bytes()[..], data].concat()
 }
 
-/// Blocks of 100 bytes.
-fn zlib_block(data: &[u8]) -> Vec<u8> {
+fn zlib(block: &[u8]) -> Vec<u8> {
+    let mut encoder = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::default());
+    encoder.write_all(block).unwrap();
+    encoder.finish().unwrap()
+}
+
+/// An xz stream with LZMA2 chunks that are stored, as the .xz file format 1.2 has it, without a check.
+fn xz(block: &[u8]) -> Vec<u8> {
+    let crc = |bytes: &[u8]| flate2_crc(bytes).to_le_bytes();
+    let mut out = b"\xFD7zXZ\0".to_vec();
+    let flags = [0u8, 0];
+    out.extend(flags);
+    out.extend(crc(&flags));
+    // Size 8 bytes with the CRC after it; one filter, LZMA2 (0x21) with a dictionary of 4 KiB.
+    let mut head = vec![2u8, 0, 0x21, 1, 0, 0, 0, 0];
+    head.extend(crc(&head.clone()));
+    let start = out.len();
+    out.extend(&head);
+    out.push(1);
+    out.extend((block.len() as u16 - 1).to_be_bytes());
+    out.extend(block);
+    out.push(0);
+    let unpadded = out.len() - start;
+    out.resize(out.len().next_multiple_of(4), 0);
+    let mut index = vec![0u8, 1];
+    for mut n in [unpadded, block.len()] {
+        while n > 127 {
+            index.push(n as u8 | 128);
+            n >>= 7;
+        }
+        index.push(n as u8);
+    }
+    index.resize(index.len().next_multiple_of(4), 0);
+    index.extend(crc(&index.clone()));
+    let backward = ((index.len() / 4 - 1) as u32).to_le_bytes();
+    out.extend(&index);
+    let foot = [&backward[..], &flags].concat();
+    out.extend(crc(&foot));
+    out.extend(&foot);
+    out.extend(b"YZ");
+    out
+}
+
+fn flate2_crc(bytes: &[u8]) -> u32 {
+    let mut crc = flate2::Crc::new();
+    crc.update(bytes);
+    crc.sum()
+}
+
+/// Blocks of 100 bytes, each packed by `pack`.
+fn blocks(data: &[u8], pack: impl Fn(&[u8]) -> Vec<u8>) -> Vec<u8> {
     let (mut sizes, mut packed) = (Vec::new(), Vec::new());
     for block in data.chunks(100) {
-        let mut encoder = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::default());
-        encoder.write_all(block).unwrap();
-        let block = encoder.finish().unwrap();
+        let block = pack(block);
         sizes.push(block.len() as u32);
         packed.extend(block);
     }
@@ -334,12 +479,119 @@ fn raw_triangles() -> Vec<u8> {
     text.into_bytes()
 }
 
+/// The box as two polyhedra, the second turned inside out. The face between them has five corners.
+const POLYHEDRA: [[&[u32]; 6]; 2] = [
+    [&[0, 2, 3, 1], &[8, 12, 9, 11, 10], &[0, 1, 9, 12, 8], &[2, 10, 11, 3], &[0, 8, 10, 2], &[1, 3, 11, 9]],
+    [&[9, 11, 10, 8, 12], &[6, 7, 5, 4], &[4, 5, 9, 12, 8], &[11, 7, 6, 10], &[10, 6, 4, 8], &[5, 7, 11, 9]],
+];
+
+fn joined(numbers: impl IntoIterator<Item = impl ToString>) -> String {
+    numbers.into_iter().map(|n| n.to_string()).collect::<Vec<_>>().join(" ")
+}
+
+/// Where parts of these lengths end.
+fn ends(lengths: impl IntoIterator<Item = usize>) -> String {
+    let mut sum = 0;
+    joined(lengths.into_iter().map(|length| {
+        sum += length;
+        sum
+    }))
+}
+
+fn vtu_ascii(points: (usize, &str), cells: usize, arrays: &[(&str, &str)], more: &str) -> Vec<u8> {
+    let array = |name: &str, values: &str| {
+        format!("<DataArray type=\"Int64\" Name=\"{name}\" format=\"ascii\">{values}</DataArray>\n")
+    };
+    let arrays: String = arrays.iter().map(|(name, values)| array(name, values)).collect();
+    format!(
+        "<VTKFile type=\"UnstructuredGrid\" version=\"2.3\" byte_order=\"LittleEndian\">\n<UnstructuredGrid>\n\
+         <Piece NumberOfPoints=\"{}\" NumberOfCells=\"{cells}\">\n{more}<Points>\n<DataArray type=\"Float64\" \
+         NumberOfComponents=\"3\" format=\"ascii\">\n{}</DataArray>\n</Points>\n<Cells>\n{arrays}</Cells>\n</Piece>\n\
+         </UnstructuredGrid>\n</VTKFile>\n",
+        points.0, points.1
+    )
+    .into_bytes()
+}
+
+/// Polyhedra in the two ways of VTU, and in that of VTK legacy.
+pub fn polyhedra() -> [Sample; 3] {
+    let middle = "1 -1 2.5\n3 -1 2.5\n1 2 2.5\n3 2 2.5\n2 -1 2.5\n";
+    let points = text_points() + middle;
+    let streams = POLYHEDRA.map(|cell| {
+        let faces = cell.iter().map(|face| format!("{} {}", face.len(), joined(*face)));
+        format!("{} {}", cell.len(), joined(faces))
+    });
+    let lengths = streams.each_ref().map(|stream| stream.split(' ').count());
+    let common = [
+        ("connectivity", joined((0..13).chain(4..13))),
+        ("offsets", "13 22".into()),
+        ("types", "42 42".into()),
+    ];
+    let old = [("faces", streams.join(" ")), ("faceoffsets", ends(lengths))];
+    let faces = || POLYHEDRA.iter().flatten();
+    let new = [
+        ("face_connectivity", joined(faces().copied().flatten())),
+        ("face_offsets", ends(faces().map(|face| face.len()))),
+        ("polyhedron_to_faces", joined(0..12)),
+        ("polyhedron_offsets", "6 12".into()),
+    ];
+    let vtu = |more: &[(&str, String)]| {
+        let arrays: Vec<_> =
+            common.iter().chain(more).map(|(name, values)| (*name, values.as_str())).collect();
+        vtu_ascii((13, &points), 2, &arrays, "")
+    };
+    let legacy = format!(
+        "# vtk DataFile Version 4.2\nbox\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 13 double\n{points}CELLS 2 {}\n\
+         {} {}\n{} {}\nCELL_TYPES 2\n42\n42\n",
+        2 + lengths[0] + lengths[1],
+        lengths[0],
+        streams[0],
+        lengths[1],
+        streams[1]
+    );
+    let sample = |name, format, bytes| Sample { name, format, bytes };
+    [
+        sample("VTU polyhedra", MeshFormat::Vtu, vtu(&old)),
+        sample("VTU polyhedra by faces", MeshFormat::Vtu, vtu(&new)),
+        sample("VTK polyhedra", MeshFormat::Vtk, legacy.into_bytes()),
+    ]
+}
+
+/// Four unit cubes in a row with `vtkGhostType`, as VTU and as VTK legacy.
+pub fn vtk_ghosts(types: &str) -> (Vec<u8>, Vec<u8>) {
+    let corner = |k: usize| format!("{} {} {}\n", k / 4, k / 2 % 2, k % 2);
+    let points: String = (0..20).map(corner).collect();
+    let voxel = |k: usize| [0, 4, 2, 6, 1, 5, 3, 7].map(|c| (4 * k + c).to_string()).join(" ");
+    let cells: Vec<String> = (0..4).map(voxel).collect();
+    let arrays = [
+        ("connectivity", cells.join(" ")),
+        ("offsets", "8 16 24 32".into()),
+        ("types", "11 11 11 11".into()),
+    ];
+    let arrays = arrays.each_ref().map(|(name, values)| (*name, values.as_str()));
+    let data = format!(
+        "<CellData><DataArray type=\"UInt8\" Name=\"vtkGhostType\" format=\"ascii\">{types}</DataArray></CellData>\n"
+    );
+    let vtu = vtu_ascii((20, &points), 4, &arrays, &data);
+    let cells: String = cells.iter().map(|cell| format!("8 {cell}\n")).collect();
+    let vtk = format!(
+        "# vtk DataFile Version 3.0\nrow\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 20 float\n{points}CELLS 4 36\n\
+         {cells}CELL_TYPES 4\n11\n11\n11\n11\nPOINT_DATA 20\nSCALARS a float 1\nLOOKUP_TABLE default\n{}\n\
+         CELL_DATA 4\nSCALARS b int\nLOOKUP_TABLE default\n1 2 3 4\nFIELD f 1\nvtkGhostType 1 4 unsigned_char\n\
+         {types}\n",
+        "0 ".repeat(20)
+    );
+    (vtu, vtk.into_bytes())
+}
+
 pub fn boxes() -> Vec<Sample> {
     let off = format!("OFF\n# box\n8 6 12\n{}{}", text_points(), text_quads()).into_bytes();
-    let vtu_zlib = "compressor=\"vtkZLibDataCompressor\"";
     let build = threemf("millimeter", &threemf_object(1), "<item objectid=\"1\"/>");
     let files = [("_rels/.rels", RELS.into()), ("3D/main.model", build)];
     let base64 = |data: &[u8]| BASE64_STANDARD.encode(raw_block(data)).into_bytes();
+    let vtu_packed = |compressor: &str, pack: fn(&[u8]) -> Vec<u8>| {
+        vtu(&format!("compressor=\"{compressor}\""), "binary", |data| blocks(data, pack))
+    };
     let samples = [
         ("OBJ", MeshFormat::Obj, obj()),
         ("STL ASCII", MeshFormat::Stl, stl_ascii("solid box")),
@@ -358,7 +610,9 @@ pub fn boxes() -> Vec<Sample> {
         ("VTP ASCII", MeshFormat::Vtp, vtp_ascii()),
         ("VTU base64", MeshFormat::Vtu, vtu("header_type=\"UInt64\"", "binary", base64)),
         ("VTU raw", MeshFormat::Vtu, vtu("header_type=\"UInt64\"", "appended", raw_block)),
-        ("VTU zlib", MeshFormat::Vtu, vtu(vtu_zlib, "binary", zlib_block)),
+        ("VTU zlib", MeshFormat::Vtu, vtu_packed("vtkZLibDataCompressor", zlib)),
+        ("VTU LZ4", MeshFormat::Vtu, vtu_packed("vtkLZ4DataCompressor", lz4_flex::block::compress)),
+        ("VTU LZMA", MeshFormat::Vtu, vtu_packed("vtkLZMADataCompressor", xz)),
         ("raw triangles", MeshFormat::RawTriangles, raw_triangles()),
     ];
     samples.map(|(name, format, bytes)| Sample { name, format, bytes }).into()

@@ -26,7 +26,7 @@ fn tank() -> Shape {
 fn tank_for(closure: ClosureKind) -> Shape {
     let radius = closure.map_radius(SUPPORT);
     let points = vec![[0.0, 0.0], [WIDTH, 0.0], [WIDTH, 1.0], [0.0, 1.0]];
-    let outline = Outline { points, segments: vec![[0, 1], [1, 2], [2, 3], [3, 0]] };
+    let outline = Outline { points, segments: vec![[0, 1], [1, 2], [2, 3], [3, 0]], ..Default::default() };
     let phi = OutlineDistance::new(&outline, true, 0.0);
     let settings = AreaSettings {
         support_radius: Some(radius),

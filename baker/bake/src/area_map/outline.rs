@@ -11,6 +11,7 @@ use glam::DVec2;
 use std::path::Path;
 use volmap_formats::asset::{Asset, Attributes, Value};
 use volmap_formats::mesh::{self, Outline, parse_outline};
+use volmap_formats::text::significant;
 
 /// How a file's coordinates become metres: times the unit, then moved.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -94,10 +95,11 @@ pub fn bake_file(
         format: "obj".into(),
         blake3: blake3::hash(&bytes).to_hex().to_string(),
     };
+    let warnings = [outline.notes, warnings(&asset, &phi)].concat();
     Ok(Asset {
         bake: parameters(&asset, placement, settings),
         source: source_attributes(&source, &phi),
-        diagnosis: attributes([("warnings", warnings(&asset, &phi).join("\n").into())]),
+        diagnosis: attributes([("warnings", warnings.join("\n").into())]),
         ..asset
     })
 }
@@ -120,7 +122,8 @@ pub fn warnings(asset: &Asset, phi: &OutlineDistance) -> Vec<String> {
     if x.max(y) > 1.5 * asset.support_radius {
         let cells = x.max(y) / asset.support_radius;
         out.push(format!(
-            "the cells are {cells:.1} support radii large: too coarse for the area; take more cells"
+            "the cells are {} support radii large: too coarse for the area; take more cells",
+            significant(cells, 2)
         ));
     }
     let reach = 2.0 * asset.support_radius + phi.thickness.abs() - 1e-6 * x.min(y);
@@ -222,7 +225,11 @@ mod tests {
             [1.5, 1.5],
             [0.5, 1.5],
         ];
-        Outline { points, segments: vec![[0, 1], [2, 1], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4]] }
+        Outline {
+            points,
+            segments: vec![[0, 1], [2, 1], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4]],
+            ..Default::default()
+        }
     }
 
     #[test]
@@ -256,6 +263,7 @@ mod tests {
         let outline = Outline {
             points: (0..CORNERS).map(|n| DVec2::from_angle(angle(n)).to_array()).collect(),
             segments: (0..CORNERS).map(|n| [n, (n + 1) % CORNERS]).collect(),
+            ..Outline::default()
         };
         let phi = OutlineDistance::new(&outline, false, 0.0);
         // Rays through the corners' own heights too.

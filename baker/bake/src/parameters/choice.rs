@@ -38,8 +38,8 @@ pub enum PrecisionName {
 #[schemars(inline)]
 pub enum CompressionName {
     #[default]
-    Zstd,
     Gzip,
+    Zstd,
 }
 
 /// The words of an enumeration, for texts; serde has the same words by its own attributes.
@@ -66,7 +66,7 @@ words! {
     SignMethod { "auto" => Auto, "pseudonormal" => Pseudonormal, "winding" => Winding }
     Up { "x" => X, "y" => Y, "z" => Z }
     PrecisionName { "f32" => F32, "f64" => F64 }
-    CompressionName { "zstd" => Zstd, "gzip" => Gzip }
+    CompressionName { "gzip" => Gzip, "zstd" => Zstd }
 }
 
 impl From<Up> for UpAxis {
@@ -82,8 +82,8 @@ impl From<Up> for UpAxis {
 impl From<CompressionName> for Compression {
     fn from(name: CompressionName) -> Compression {
         match name {
-            CompressionName::Zstd => Compression::default(),
-            CompressionName::Gzip => Compression::Gzip(6),
+            CompressionName::Gzip => Compression::default(),
+            CompressionName::Zstd => Compression::Zstd(3),
         }
     }
 }

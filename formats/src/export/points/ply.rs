@@ -1,6 +1,7 @@
 //! Particles as binary PLY, one vertex each. Turk 1994, *The PLY Polygon File Format*.
 //!
-//! The vector `velocity` becomes the properties `vx`, `vy`, `vz`; other vectors `name_x` and so on.
+//! Numbers of things, such as ids, are `int`: Blender 4.5 and Open3D drop `uint`. Only where one is 2^31 or more, they are
+//! `uint`. The vector `velocity` becomes the properties `vx`, `vy`, `vz`; other vectors `name_x` and so on.
 
 use super::{Points, Values};
 use crate::export::{ExportError, publish_to};
@@ -23,6 +24,7 @@ fn to_bytes(points: &Points) -> Vec<u8> {
     for (name, values) in &points.arrays {
         match values {
             Values::F32(_) => property("float", name),
+            Values::U32(v) if v.iter().all(|&n| i32::try_from(n).is_ok()) => property("int", name),
             Values::U32(_) => property("uint", name),
             Values::Vector(_) if *name == "velocity" => {
                 ["vx", "vy", "vz"].iter().for_each(|n| property("float", n))
@@ -52,12 +54,15 @@ mod tests {
         let end = bytes.windows(11).position(|w| w == b"end_header\n").unwrap() + 11;
         let header = std::str::from_utf8(&bytes[..end]).unwrap();
         assert!(header.contains("element vertex 50\nproperty float x\n"), "{header}");
-        let properties = ["float vx", "float vy", "float vz", "float density", "uint id"];
+        let properties = ["float vx", "float vy", "float vz", "float density", "int id"];
         let end_of_header = format!("property {}\nend_header\n", properties.join("\nproperty "));
         assert!(header.ends_with(&end_of_header), "{header}");
         assert_eq!(bytes.len() - end, 50 * 4 * 8);
         let word = |n: usize| <[u8; 4]>::try_from(&bytes[end + 4 * n..][..4]).unwrap();
         assert_eq!(f32::from_le_bytes(word(3 * 8 + 4)), 3.0, "velocity of point 3 along y");
         assert_eq!(u32::from_le_bytes(word(3 * 8 + 7)), 46, "its id");
+        let ids = Values::U32(&[1 << 31]);
+        let bytes = to_bytes(&Points { positions: &[[0.0; 3]], arrays: vec![("id", ids)] });
+        assert!(String::from_utf8_lossy(&bytes).contains("property uint id"));
     }
 }

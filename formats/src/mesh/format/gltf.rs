@@ -4,15 +4,19 @@
 //! panics on damaged files, keeps transforms in f32, and refuses a file for its materials.
 
 mod accessor;
+mod deform;
 mod json;
+mod nodes;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use glam::{DAffine3, DMat4, DQuat, DVec3, DVec4};
+use glam::{DAffine3, DVec3};
 
 use self::accessor::Buffers;
-use self::json::{Asset, Node, Primitive, Root};
+use self::deform::{Joints, add_targets, joint_sets};
+use self::json::{Asset, Primitive, Root};
+use self::nodes::{Placed, placed_meshes, transform};
 use crate::mesh::binary::{Endian, Scalar};
 use crate::mesh::budget::Budget;
 use crate::mesh::error::MeshError;
@@ -37,8 +41,11 @@ const HARMLESS: [&str; 10] = [
     "KHR_animation_pointer",
 ];
 
-/// Reads the default scene, or all root nodes if there is no scene. Skins and morph targets are not
-/// applied. Buffers beside the file are looked up in `folder`.
+/// Looked for wherever a node has it: writers often leave it out of the list of required extensions, and of the other.
+const INSTANCING: &str = "EXT_mesh_gpu_instancing";
+
+/// Reads the default scene, or all root nodes if there is no scene. Skins and morph targets are applied as the file has
+/// them at rest. Buffers beside the file are looked up in `folder`.
 pub fn read(bytes: &[u8], folder: Option<&Path>) -> Result<RawMesh, MeshError> {
     let is_binary = bytes.starts_with(b"glTF");
     let format = if is_binary { BINARY_NAME } else { NAME };
@@ -52,10 +59,14 @@ pub fn read(bytes: &[u8], folder: Option<&Path>) -> Result<RawMesh, MeshError> {
         root: &root,
         buffers: Buffers::new(&root, format, chunk, folder),
         budget: Budget::new(bytes.len()),
+        skinned: BTreeSet::new(),
+        morphed: BTreeSet::new(),
     };
-    for (mesh, affine) in instances(&root, &raw)? {
-        scene.add_mesh(&mut raw, mesh, &affine)?;
+    for placed in placed_meshes(&root, &mut raw)? {
+        scene.add(&mut raw, &placed)?;
     }
+    scene.note(&mut raw);
+    note_extensions(&root, &mut raw);
     Ok(raw)
 }
 
@@ -137,82 +148,54 @@ fn check_asset(text: &[u8], format: &'static str) -> Result<(), MeshError> {
 }
 
 fn check_extensions(root: &Root, format: &'static str) -> Result<(), MeshError> {
-    let strange = |name: &&String| !HARMLESS.iter().any(|harmless| name.starts_with(harmless));
+    let read = [INSTANCING, "KHR_node_visibility"];
+    let strange = |name: &&String| !read.iter().chain(&HARMLESS).any(|known| name.starts_with(known));
     match root.extensions_required.iter().find(strange) {
         Some(name) => Err(MeshError::unsupported(
             format,
             format!("the required extension {}", show(name.as_bytes())),
-            "export the model without it (without compression or instancing)",
+            "export the model without it (without compression)",
         )),
         None => Ok(()),
     }
 }
 
-/// All meshes of the scene, with their transforms, parents before children.
-fn instances(root: &Root, raw: &RawMesh) -> Result<Vec<(usize, DAffine3)>, MeshError> {
-    let mut found = Vec::new();
-    if root.nodes.is_empty() && root.scenes.is_empty() {
-        return Ok((0..root.meshes.len()).map(|mesh| (mesh, DAffine3::IDENTITY)).collect());
-    }
-    let mut visited = vec![false; root.nodes.len()];
-    let mut stack: Vec<(usize, DAffine3)> = Vec::new();
-    let tops = top_nodes(root, raw)?;
-    stack.extend(tops.into_iter().rev().map(|node| (node, DAffine3::IDENTITY)));
-    while let Some((index, parent)) = stack.pop() {
-        let place = || format!("node {index}");
-        let Some(node) = root.nodes.get(index) else {
-            return Err(raw.bad(place(), "there is no such node; export the file again"));
-        };
-        if std::mem::replace(&mut visited[index], true) {
-            return Err(raw.bad(
-                place(),
-                "the node has two parents or is its own ancestor, which glTF forbids; export the \
-                 file again",
-            ));
-        }
-        let affine = parent * local(node, raw, &place)?;
-        found.extend(node.mesh.map(|mesh| (mesh, affine)));
-        stack.extend(node.children.iter().rev().map(|&child| (child, affine)));
-    }
-    Ok(found)
+/// Extensions of nodes, meshes and primitives that are read, or that leave the surface as it is.
+fn is_known(name: &str) -> bool {
+    const KNOWN: [&str; 8] = [
+        INSTANCING,
+        "KHR_node_",
+        "KHR_draco_mesh_compression",
+        "EXT_mesh_features",
+        "EXT_mesh_manifold",
+        "EXT_structural_metadata",
+        "CESIUM_primitive_outline",
+        "MSFT_lod",
+    ];
+    KNOWN.iter().chain(&HARMLESS).any(|known| name.starts_with(known))
 }
 
-fn top_nodes(root: &Root, raw: &RawMesh) -> Result<Vec<usize>, MeshError> {
-    if root.scenes.is_empty() {
-        let mut is_child = vec![false; root.nodes.len()];
-        for &child in root.nodes.iter().flat_map(|node| &node.children) {
-            if let Some(mark) = is_child.get_mut(child) {
-                *mark = true;
-            }
-        }
-        return Ok((0..root.nodes.len()).filter(|&node| !is_child[node]).collect());
+/// The names of extensions that may change the surface, and aren't read.
+fn note_extensions(root: &Root, raw: &mut RawMesh) {
+    let primitives = root.meshes.iter().flat_map(|mesh| &mesh.primitives);
+    let names = (root.nodes.iter().flat_map(|node| node.extensions.keys()))
+        .chain(root.meshes.iter().flat_map(|mesh| mesh.extensions.keys()))
+        .chain(primitives.flat_map(|primitive| primitive.extensions.keys()));
+    let unknown: BTreeSet<&String> = names.filter(|name| !is_known(name)).collect();
+    if !unknown.is_empty() {
+        let names: Vec<String> = unknown.into_iter().map(|name| show(name.as_bytes())).collect();
+        raw.notes.push(format!("extensions that are not read: {}", names.join(", ")));
     }
-    let scene = root.scene.unwrap_or(0);
-    let found = root.scenes.get(scene).map(|scene| scene.nodes.clone());
-    found.ok_or_else(|| raw.bad(format!("scene {scene}"), "there is no such scene; export again"))
 }
 
-/// A matrix (column by column), or translation * rotation * scale.
-fn local(node: &Node, raw: &RawMesh, place: &dyn Fn() -> String) -> Result<DAffine3, MeshError> {
-    if let Some(m) = &node.matrix {
-        return Ok(DAffine3::from_mat4(DMat4::from_cols_array(m)));
-    }
-    let translation = DVec3::from(node.translation.unwrap_or([0.0; 3]));
-    let scale = DVec3::from(node.scale.unwrap_or([1.0; 3]));
-    let quaternion = DVec4::from(node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]));
-    let length = quaternion.length();
-    if !(length > 0.0 && length.is_finite()) {
-        return Err(raw.bad(place(), "the rotation is not a quaternion; export the file again"));
-    }
-    let rotation = DQuat::from_vec4(quaternion / length);
-    Ok(DAffine3::from_scale_rotation_translation(scale, rotation, translation))
-}
-
-/// A mesh where a node of the scene puts it.
+/// A mesh as one node of the scene draws it.
 struct Instance<'a> {
-    affine: &'a DAffine3,
-    /// Those of each accessor that was read: primitives with different materials often share their vertices.
-    vertices: BTreeMap<usize, Vertices>,
+    affine: DAffine3,
+    /// Of the morph targets.
+    weights: &'a [f64],
+    joints: Option<Joints>,
+    /// Those that were read, by their accessors: primitives with different materials often share their vertices.
+    vertices: BTreeMap<Vec<usize>, Vertices>,
 }
 
 /// A range of the mesh's vertices.
@@ -220,13 +203,14 @@ struct Instance<'a> {
 struct Vertices {
     first: u32,
     count: u32,
+    mirrored: bool,
 }
 
 impl Vertices {
-    fn add(raw: &mut RawMesh, positions: Vec<[f64; 3]>, affine: &DAffine3) -> Vertices {
+    fn add(raw: &mut RawMesh, positions: Vec<[f64; 3]>, mirrored: bool) -> Vertices {
         let narrow = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
-        let added = Vertices { first: narrow(raw.positions.len()), count: narrow(positions.len()) };
-        raw.positions.extend(positions.into_iter().map(|p| affine.transform_point3(p.into()).to_array()));
+        let added = Vertices { first: narrow(raw.positions.len()), count: narrow(positions.len()), mirrored };
+        raw.positions.extend(positions);
         added
     }
 }
@@ -235,16 +219,83 @@ struct Scene<'a> {
     root: &'a Root,
     buffers: Buffers<'a>,
     budget: Budget,
+    /// Meshes with a skin or with weights of morph targets, for a note.
+    skinned: BTreeSet<usize>,
+    morphed: BTreeSet<usize>,
 }
 
-impl Scene<'_> {
-    fn add_mesh(&mut self, raw: &mut RawMesh, mesh: usize, affine: &DAffine3) -> Result<(), MeshError> {
-        let Some(primitives) = self.root.meshes.get(mesh).map(|mesh| &mesh.primitives) else {
-            return Err(raw.bad(format!("mesh {mesh}"), "there is no such mesh; export again"));
+impl<'a> Scene<'a> {
+    fn add(&mut self, raw: &mut RawMesh, placed: &Placed) -> Result<(), MeshError> {
+        let Some(mesh) = self.root.meshes.get(placed.mesh) else {
+            return Err(raw.bad(format!("mesh {}", placed.mesh), "there is no such mesh; export again"));
         };
+        let node = placed.node.map(|node| &self.root.nodes[node]);
+        let weights = node.and_then(|node| node.weights.as_ref()).unwrap_or(&mesh.weights);
+        if weights.iter().any(|weight| *weight != 0.0) {
+            self.morphed.insert(placed.mesh);
+        }
+        let skin = node.and_then(|node| node.skin);
+        let mut affines = vec![placed.affine];
+        if let Some(instancing) = node.and_then(|node| node.extensions.get(INSTANCING)) {
+            let place = format!("node {}", placed.node.unwrap_or(0));
+            affines = self.instances(instancing, placed.affine, &place)?;
+        }
+        for affine in affines {
+            let (buffers, budget) = (&mut self.buffers, &mut self.budget);
+            let joints =
+                skin.map(|skin| Joints::of_skin(skin, self.root, raw, buffers, budget)).transpose()?;
+            if joints.is_some() {
+                self.skinned.insert(placed.mesh);
+            }
+            // Joints alone place what hangs on them.
+            let affine = if joints.is_some() { DAffine3::IDENTITY } else { affine };
+            let instance = Instance { affine, weights, joints, vertices: BTreeMap::new() };
+            self.add_mesh(raw, placed.mesh, instance)?;
+        }
+        Ok(())
+    }
+
+    /// The transforms of EXT_mesh_gpu_instancing: translations, rotations and scales as accessors.
+    fn instances(
+        &mut self,
+        extension: &serde_json::Value,
+        node: DAffine3,
+        place: &str,
+    ) -> Result<Vec<DAffine3>, MeshError> {
+        let mut read = |name: &str, shape: &str| -> Result<Option<Vec<f64>>, MeshError> {
+            let accessor = extension.get("attributes").and_then(|attributes| attributes.get(name));
+            let accessor = accessor.and_then(serde_json::Value::as_u64).map(|accessor| accessor as usize);
+            accessor.map(|accessor| self.buffers.numbers(accessor, shape, &mut self.budget)).transpose()
+        };
+        let translations = read("TRANSLATION", "VEC3")?;
+        let rotations = read("ROTATION", "VEC4")?;
+        let scales = read("SCALE", "VEC3")?;
+        let lengths = [(&translations, 3), (&rotations, 4), (&scales, 3)];
+        let counts: Vec<usize> =
+            lengths.iter().filter_map(|(values, width)| Some(values.as_ref()?.len() / width)).collect();
+        let bad = |problem: &str| {
+            self.buffers.bad(place, format!("{INSTANCING}: {problem}; export the file again"))
+        };
+        let Some(&count) = counts.first().filter(|&first| counts.iter().all(|count| count == first)) else {
+            return Err(bad("its attributes are missing or of different lengths"));
+        };
+        self.budget.take(count, 128, "the scene")?;
+        let instance = |k: usize| {
+            let three = |values: &Option<Vec<f64>>, other: f64| {
+                values.as_ref().map_or([other; 3], |v| [v[3 * k], v[3 * k + 1], v[3 * k + 2]])
+            };
+            let rotation = rotations
+                .as_ref()
+                .map_or([0.0, 0.0, 0.0, 1.0], |r| [r[4 * k], r[4 * k + 1], r[4 * k + 2], r[4 * k + 3]]);
+            Some(node * transform(three(&translations, 0.0), rotation, three(&scales, 1.0))?)
+        };
+        let found: Option<Vec<DAffine3>> = (0..count).map(instance).collect();
+        found.ok_or_else(|| bad("a rotation is not a quaternion"))
+    }
+
+    fn add_mesh(&mut self, raw: &mut RawMesh, mesh: usize, mut instance: Instance) -> Result<(), MeshError> {
         raw.objects += 1;
-        let mut instance = Instance { affine, vertices: BTreeMap::new() };
-        for (k, primitive) in primitives.iter().enumerate() {
+        for (k, primitive) in self.root.meshes[mesh].primitives.iter().enumerate() {
             let place = format!("mesh {mesh}, primitive {k}");
             match primitive.mode {
                 0 => raw.skipped.points += 1,
@@ -267,12 +318,16 @@ impl Scene<'_> {
             raw.skipped.other += 1;
             return Ok(());
         };
-        let Vertices { first, count } = match instance.vertices.get(&accessor) {
+        let targets =
+            primitive.targets.iter().map(|target| target.get("POSITION").copied().unwrap_or(usize::MAX));
+        let joints = joint_sets(primitive).into_iter().flatten();
+        let key: Vec<usize> =
+            [accessor, primitive.targets.len()].into_iter().chain(targets).chain(joints).collect();
+        let Vertices { first, count, mirrored } = match instance.vertices.get(&key) {
             Some(&known) => known,
             None => {
-                let positions = self.buffers.positions(accessor, &mut self.budget)?;
-                let added = Vertices::add(raw, positions, instance.affine);
-                *instance.vertices.entry(accessor).or_insert(added)
+                let added = self.read_vertices(raw, accessor, primitive, instance, place)?;
+                *instance.vertices.entry(key).or_insert(added)
             }
         };
         let indices = match primitive.indices {
@@ -295,9 +350,50 @@ impl Scene<'_> {
             return Err(MeshError::TooLarge { problem: "the scene has too many vertices; split it".into() });
         }
         self.budget.take(3 * indices.len(), 20, "the scene")?;
-        let mirrored = instance.affine.matrix3.determinant() < 0.0;
         add_triangles(raw, primitive.mode, first, &indices, mirrored);
         Ok(())
+    }
+
+    fn read_vertices(
+        &mut self,
+        raw: &mut RawMesh,
+        accessor: usize,
+        primitive: &Primitive,
+        instance: &Instance,
+        place: &str,
+    ) -> Result<Vertices, MeshError> {
+        let (buffers, budget) = (&mut self.buffers, &mut self.budget);
+        let mut positions = buffers.positions(accessor, budget)?;
+        add_targets(&mut positions, primitive, instance.weights, buffers, budget, place)?;
+        let mut mirrored = instance.affine.matrix3.determinant() < 0.0;
+        if let Some(joints) = &instance.joints {
+            match joints.apply(&mut positions, primitive, buffers, budget, place)? {
+                Some(by_joints) => mirrored = by_joints,
+                None => {
+                    raw.notes.push(format!(
+                        "{place} has a skin, but no joints and weights: its node does not move it"
+                    ));
+                }
+            }
+        }
+        positions.iter_mut().for_each(|p| *p = instance.affine.transform_point3(DVec3::from(*p)).to_array());
+        Ok(Vertices::add(raw, positions, mirrored))
+    }
+
+    /// What is taken otherwise than as the vertices stand in the file.
+    fn note(&self, raw: &mut RawMesh) {
+        let list =
+            |meshes: &BTreeSet<usize>| meshes.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
+        if !self.morphed.is_empty() {
+            let meshes = list(&self.morphed);
+            raw.notes
+                .push(format!("morph targets are applied by the file's default weights to mesh {meshes}"));
+        }
+        if !self.skinned.is_empty() {
+            let meshes = list(&self.skinned);
+            raw.notes
+                .push(format!("skins are applied in the pose that the file's nodes have to mesh {meshes}"));
+        }
     }
 }
 

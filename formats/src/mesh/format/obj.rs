@@ -10,6 +10,7 @@ use std::borrow::Cow;
 use self::plain::vertex_index;
 use crate::mesh::error::MeshError;
 use crate::mesh::raw::RawMesh;
+use crate::mesh::skipped::Skipped;
 use crate::mesh::text::{Words, not_a_number, number, parse, show, words};
 
 pub const NAME: &str = "OBJ";
@@ -18,17 +19,23 @@ pub const NAME: &str = "OBJ";
 pub fn looks_so(bytes: &[u8]) -> bool {
     super::lines(bytes).any(|line| {
         let mut words = words(line);
-        words.next() == Some(b"v") && words.take(3).all(|word| parse::<f64>(word).is_some())
+        matches!(words.next(), Some(b"v" | b"V")) && words.take(3).all(|word| number(word).is_some())
     })
 }
 
 /// Reads an OBJ. Materials, normals and texture coordinates are ignored; index ranges are checked.
 pub fn read(bytes: &[u8]) -> Result<RawMesh, MeshError> {
     let lines = Words::new(bytes, NAME);
-    let mut reader =
-        Reader { raw: RawMesh::new(NAME), corners: Vec::new(), highest: (0, lines.clone()), lines };
+    let mut reader = Reader {
+        raw: RawMesh::new(NAME),
+        corners: Vec::new(),
+        highest: (0, lines.clone()),
+        left_out: LeftOut::default(),
+        lines,
+    };
     while reader.plain_line() || reader.line()? {}
-    let Reader { mut raw, highest, .. } = reader;
+    let Reader { mut raw, highest, left_out, .. } = reader;
+    raw.notes.extend(left_out.note());
     let count = raw.positions.len();
     if highest.0 as usize >= count && !raw.faces.is_empty() {
         return Err(highest.1.bad(format!(
@@ -48,6 +55,40 @@ struct Reader<'a> {
     corners: Vec<u32>,
     /// The highest vertex that a face asked for, and where: vertices may follow their faces.
     highest: (u32, Words<'a>),
+    left_out: LeftOut,
+}
+
+/// Statements that OBJ doesn't have, or that lead to other files.
+#[derive(Default)]
+pub struct LeftOut {
+    count: usize,
+    /// The first one's word and line.
+    first: Option<(String, usize)>,
+}
+
+impl LeftOut {
+    /// Takes a statement that is neither a vertex, a face, a line, a point nor an object.
+    pub fn add(&mut self, word: &[u8], here: &Words, skipped: &mut Skipped) {
+        if is_curved(word) {
+            skipped.other += 1;
+        }
+        if is_curved(word) || is_attribute(word) {
+            return;
+        }
+        self.count += 1;
+        self.first.get_or_insert_with(|| (show(word), here.line()));
+    }
+
+    /// What to say of them.
+    pub fn note(&self) -> Option<String> {
+        let (word, line) = self.first.as_ref()?;
+        Some(match self.count {
+            1 => format!("line {line} begins with `{word}`, which is not read: left out"),
+            n => format!(
+                "{n} lines begin with words that are not read, the first with `{word}` in line {line}: left out"
+            ),
+        })
+    }
 }
 
 impl<'a> Reader<'a> {
@@ -86,15 +127,15 @@ impl<'a> Reader<'a> {
         let raw = &mut self.raw;
         let mut words = words(&line);
         match words.next() {
-            Some(b"v") => raw.positions.push(position(&here, words)?),
-            Some(b"f" | b"fo") => {
+            Some(b"v" | b"V") => raw.positions.push(position(&here, words)?),
+            Some(b"f" | b"fo" | b"F" | b"FO") => {
                 face(&here, words, raw.positions.len(), &mut self.corners)?;
                 self.add_face(here);
             }
-            Some(b"o") => raw.objects += 1,
-            Some(b"p") => raw.skipped.points += 1,
-            Some(b"l") => raw.skipped.lines += 1,
-            Some(word) => raw.skipped.other += usize::from(!is_silent(word)),
+            Some(b"o" | b"O") => raw.objects += 1,
+            Some(b"p" | b"P") => raw.skipped.points += 1,
+            Some(b"l" | b"L") => raw.skipped.lines += 1,
+            Some(word) => self.left_out.add(word, &here, &mut raw.skipped),
             None => {}
         }
         Ok(true)
@@ -110,16 +151,18 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// A line without its comment, joined with those that a backslash continues it with.
+/// A line without its comment, joined with those that a backslash continues it with. Comments and names, such as
+/// `C:\models\`, may end in a backslash that continues nothing.
 pub fn logical_line<'a>(lines: &mut Words<'a>) -> Option<Cow<'a, [u8]>> {
-    let line = lines.next_line()?;
-    let Some(start) = line.trim_ascii_end().strip_suffix(b"\\") else {
-        return Some(Cow::Borrowed(without_comment(line)));
+    let line = without_comment(lines.next_line()?);
+    let Some(start) = continued(line).filter(|_| !is_name(line)) else {
+        return Some(Cow::Borrowed(line));
     };
     let mut joined = start.to_vec();
     while let Some(line) = lines.next_line() {
+        let line = without_comment(line);
         joined.push(b' ');
-        match line.trim_ascii_end().strip_suffix(b"\\") {
+        match continued(line) {
             Some(part) => joined.extend_from_slice(part),
             None => {
                 joined.extend_from_slice(line);
@@ -127,7 +170,21 @@ pub fn logical_line<'a>(lines: &mut Words<'a>) -> Option<Cow<'a, [u8]>> {
             }
         }
     }
-    Some(Cow::Owned(without_comment(&joined).to_vec()))
+    Some(Cow::Owned(joined))
+}
+
+/// What comes before the backslash that a line ends in.
+fn continued(line: &[u8]) -> Option<&[u8]> {
+    line.trim_ascii_end().strip_suffix(b"\\")
+}
+
+/// Whether a line gives a name that people choose, or a file's.
+fn is_name(line: &[u8]) -> bool {
+    let word = words(line).next();
+    matches!(
+        word,
+        Some(b"o" | b"g" | b"usemtl" | b"mtllib" | b"usemap" | b"maplib" | b"shadow_obj" | b"trace_obj")
+    )
 }
 
 fn without_comment(line: &[u8]) -> &[u8] {
@@ -175,7 +232,50 @@ pub fn face<'a>(
     Ok(())
 }
 
-/// Statements that describe no element of their own.
-fn is_silent(word: &[u8]) -> bool {
-    !matches!(word, b"curv" | b"curv2" | b"surf" | b"bzp" | b"bsp" | b"cdp" | b"cdc")
+/// Free-form curves and surfaces.
+fn is_curved(word: &[u8]) -> bool {
+    matches!(word, b"curv" | b"curv2" | b"surf" | b"bzp" | b"bsp" | b"cdp" | b"cdc")
+}
+
+/// Statements that describe no element of their own: names, materials, what is drawn how, and parts of curves.
+fn is_attribute(word: &[u8]) -> bool {
+    const WORDS: [&[u8]; 36] = [
+        b"vn",
+        b"vt",
+        b"vp",
+        b"g",
+        b"s",
+        b"usemtl",
+        b"mtllib",
+        b"usemap",
+        b"maplib",
+        b"lod",
+        b"bevel",
+        b"c_interp",
+        b"d_interp",
+        b"shadow_obj",
+        b"trace_obj",
+        b"deg",
+        b"bmat",
+        b"step",
+        b"cstype",
+        b"parm",
+        b"trim",
+        b"hole",
+        b"scrv",
+        b"sp",
+        b"end",
+        b"con",
+        b"mg",
+        b"ctech",
+        b"stech",
+        b"res",
+        b"VN",
+        b"VT",
+        b"VP",
+        b"G",
+        b"S",
+        b"USEMTL",
+    ];
+    WORDS.contains(&word)
 }

@@ -1,4 +1,5 @@
-//! OFF: Geomview manual, section 4.2.5; `[ST][C][N][4]OFF` and `nOFF` of dimension 3, ASCII.
+//! OFF: Geomview manual, section 4.2.5; `[ST][C][N][4]OFF` in any order of its letters (pymeshlab writes `NCOFF`), and
+//! `nOFF` of dimension 3; ASCII. The numbers may follow without a blank (`OFF8 6 0`), as in ModelNet40.
 //!
 //! Own reader: `off-rs` rounds to f32 and knows neither normals nor homogeneous coordinates.
 
@@ -18,16 +19,19 @@ pub const NAME: &str = "OFF";
 
 /// Whether a file's first line begins with the keyword.
 pub fn starts_with_keyword(line: &[u8]) -> bool {
-    words(line).next().is_some_and(is_keyword)
+    words(line).next().is_some_and(|word| keyword(word).is_some())
 }
 
-fn is_keyword(word: &[u8]) -> bool {
-    let rest = word.strip_prefix(b"ST").unwrap_or(word);
-    let rest = rest.strip_prefix(b"C").unwrap_or(rest);
-    let rest = rest.strip_prefix(b"N").unwrap_or(rest);
-    let rest = rest.strip_prefix(b"4").unwrap_or(rest);
-    let rest = rest.strip_prefix(b"n").unwrap_or(rest);
-    rest == b"OFF"
+/// The keyword that a word is or begins with, if nothing but a number follows. Every prefix comes once at most.
+fn keyword(word: &[u8]) -> Option<&[u8]> {
+    const PREFIXES: [&[u8]; 5] = [b"ST", b"C", b"N", b"4", b"n"];
+    let mut rest = word;
+    let mut left = PREFIXES.to_vec();
+    while let Some(k) = left.iter().position(|prefix| rest.starts_with(prefix)) {
+        rest = &rest[left.swap_remove(k).len()..];
+    }
+    let end = rest.strip_prefix(b"OFF").or(rest.strip_prefix(b"off").filter(|_| rest.len() == word.len()))?;
+    end.first().is_none_or(u8::is_ascii_digit).then_some(&word[..word.len() - end.len()])
 }
 
 /// Reads an OFF.
@@ -47,6 +51,10 @@ pub fn read(bytes: &[u8]) -> Result<RawMesh, MeshError> {
         raw.add_face(&corners);
     }
     raw.objects = 1;
+    if let Ok((line, here)) = lines.next("the end") {
+        let (number, text) = (here.line(), show(line));
+        raw.notes.push(format!("what follows the last face, from line {number} on, is left out: `{text}`"));
+    }
     Ok(raw)
 }
 
@@ -73,12 +81,11 @@ impl<'a> Lines<'a> {
 fn header(lines: &mut Lines) -> Result<(Layout, usize, usize), MeshError> {
     let (mut line, mut here) = lines.next("the header")?;
     let mut layout = Layout::Xyz;
-    let word = words(line).next().unwrap_or(line);
-    if is_keyword(word) {
+    if let Some(word) = words(line).next().and_then(keyword) {
         if word.contains(&b'4') {
             layout = Layout::Xyzw;
         }
-        let general = word.ends_with(b"nOFF");
+        let general = word.contains(&b'n');
         line = line[word.len()..].trim_ascii();
         if line.starts_with(b"BINARY") {
             return Err(MeshError::unsupported(
@@ -97,7 +104,18 @@ fn header(lines: &mut Lines) -> Result<(Layout, usize, usize), MeshError> {
     let mut counts = words(line).map(parse::<usize>);
     match (counts.next().flatten(), counts.next().flatten()) {
         (Some(vertices), Some(faces)) => Ok((layout, vertices, faces)),
-        _ => Err(here.bad(format!("the numbers of vertices and faces were expected, not `{}`", show(line)))),
+        _ => Err(here.bad(not_counts(line))),
+    }
+}
+
+fn not_counts(line: &[u8]) -> String {
+    let text = show(line);
+    match words(line).next() {
+        Some(word) if word.to_ascii_uppercase().ends_with(b"OFF") => format!(
+            "`{text}` is not a kind of OFF that is read; those are OFF with ST, C, N, 4 or n before it: export the mesh \
+             as OFF or PLY"
+        ),
+        _ => format!("the numbers of vertices and faces were expected, not `{text}`"),
     }
 }
 

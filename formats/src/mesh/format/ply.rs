@@ -7,6 +7,7 @@ use crate::mesh::binary::{Endian, Scalar, as_count, as_index};
 use crate::mesh::error::MeshError;
 use crate::mesh::raw::RawMesh;
 use crate::mesh::text::{Words, any_number, ends_early, not_a_number, parse, show};
+use crate::text::thousands;
 
 pub const NAME: &str = "PLY";
 
@@ -45,26 +46,33 @@ pub fn read(bytes: &[u8]) -> Result<RawMesh, MeshError> {
             b"vertex" => read_vertices(&mut body, element, &mut raw)?,
             b"face" => read_faces(&mut body, element, &mut raw)?,
             b"tristrips" => read_strips(&mut body, element, &mut raw)?,
-            name => {
+            kind => {
                 skip_element(&mut body, element)?;
-                let counter = match name {
-                    b"edge" => &mut raw.skipped.lines,
-                    _ => &mut raw.skipped.other,
-                };
-                *counter = counter.saturating_add(element.count);
+                match kind {
+                    b"edge" => raw.skipped.lines = raw.skipped.lines.saturating_add(element.count),
+                    _ if element.count == 0 => {}
+                    _ => raw.notes.push(format!(
+                        "the element `{name}` ({} of them) is not read: left out",
+                        thousands(element.count as u64)
+                    )),
+                }
             }
         }
     }
     raw.objects = 1;
+    if let Some(note) = body.rest() {
+        raw.notes.push(note);
+    }
     Ok(raw)
 }
 
 fn header(words: &mut Words) -> Result<(Option<Endian>, Vec<Element>), MeshError> {
     let mut elements: Vec<Element> = Vec::new();
     let mut binary = None;
+    let first = words.clone();
     let magic = words.next_line().unwrap_or_default();
     if magic.trim_ascii() != b"ply" {
-        return Err(words.bad("a PLY file starts with the line `ply`"));
+        return Err(first.bad("a PLY file starts with the line `ply`"));
     }
     loop {
         let here = words.clone();
@@ -135,6 +143,16 @@ impl Body<'_> {
         }
     }
 
+    /// What to say of bytes after the last element.
+    fn rest(&self) -> Option<String> {
+        let rest = self.words.rest();
+        let blank = rest.iter().all(|b| b.is_ascii_whitespace() || matches!(b, 0 | 0x1A));
+        (!blank).then(|| {
+            let bytes = thousands(rest.len() as u64);
+            format!("{bytes} bytes after the last element that the header announces are left out")
+        })
+    }
+
     /// The fewest bytes that a property takes.
     fn smallest(&self, property: &Property) -> usize {
         match self.binary {
@@ -183,7 +201,11 @@ fn not_a_length(length: f64, name: &[u8]) -> String {
 }
 
 fn read_vertices(body: &mut Body, element: &Element, raw: &mut RawMesh) -> Result<(), MeshError> {
-    let axis = |name: &[u8]| element.properties.iter().position(|p| p.name == name);
+    let axis = |name: &[u8]| {
+        let found = |p: &Property| p.name == name;
+        let capital = |p: &Property| p.name.eq_ignore_ascii_case(name);
+        element.properties.iter().position(found).or(element.properties.iter().position(capital))
+    };
     let (Some(x), Some(y), Some(z)) = (axis(b"x"), axis(b"y"), axis(b"z")) else {
         return Err(body.bad("the element `vertex` needs the properties x, y and z"));
     };

@@ -33,11 +33,13 @@ fn announced(bytes: &[u8]) -> usize {
     Scalar::U32.read(&bytes[80..], Endian::Little) as usize
 }
 
-/// Starts with `solid` and a line with `facet` or `endsolid` follows.
+/// Starts with `solid`, a line with `facet` or `endsolid` follows, and there is no zero byte, as numbers have.
 pub fn looks_ascii(bytes: &[u8]) -> bool {
     let text = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes).trim_ascii_start();
     let head = text[..text.len().min(65536)].to_ascii_lowercase();
-    head.starts_with(b"solid") && (find(&head, b"facet").is_some() || find(&head, b"endsolid").is_some())
+    head.starts_with(b"solid")
+        && !head.contains(&0)
+        && (find(&head, b"facet").is_some() || find(&head, b"endsolid").is_some())
 }
 
 fn read_binary(bytes: &[u8]) -> Result<RawMesh, MeshError> {
@@ -63,6 +65,7 @@ fn read_binary(bytes: &[u8]) -> Result<RawMesh, MeshError> {
             ),
         ));
     }
+    check_rest(&mut raw, count, records.len())?;
     raw.positions.reserve_exact(3 * count);
     for (k, record) in records.chunks_exact(RECORD).take(count).enumerate() {
         for corner in record[12..48].chunks_exact(12) {
@@ -73,6 +76,29 @@ fn read_binary(bytes: &[u8]) -> Result<RawMesh, MeshError> {
         raw.faces.push(&[first, first + 1, first + 2]);
     }
     Ok(raw)
+}
+
+/// What the records of `bytes` bytes hold besides the announced triangles.
+fn check_rest(raw: &mut RawMesh, count: usize, bytes: usize) -> Result<(), MeshError> {
+    let (fit, rest) = (bytes / RECORD, bytes - count * RECORD);
+    let fitting = || format!("{fit} triangle{} would fit", if fit == 1 { "" } else { "s" });
+    if count == 0 {
+        return Err(raw.bad(
+            "byte 80",
+            format!(
+                "the header announces 0 triangles, and {bytes} bytes follow ({}); the program that wrote it did \
+                 not finish: export the file again",
+                fitting()
+            ),
+        ));
+    }
+    if rest > 0 {
+        let more = if fit > count { format!(" ({})", fitting()) } else { String::new() };
+        raw.notes.push(format!(
+            "the header announces {count} triangles{more}; {rest} bytes after them are left out"
+        ));
+    }
+    Ok(())
 }
 
 fn vertex_number(raw: &RawMesh, k: usize) -> Result<u32, MeshError> {

@@ -1,16 +1,20 @@
-//! 3MF: core specification 1.3, with the paths of the production extension.
+//! 3MF: core specification 1.3, with the paths of the production extension. What slicers say of a model's parts is looked
+//! up (`slicer.rs`), for they write modifiers and negative parts as objects like any other.
 //!
 //! Own reader on `zip` and `quick-xml`: `threemf` holds whole documents without a limit, reads
 //! neither paths nor prefixed elements, and refuses resources in mixed order.
 
-use std::collections::BTreeMap;
+mod slicer;
+
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::{BufRead, BufReader, Cursor, Read};
 
 use glam::{DAffine3, DVec3};
-use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
+use quick_xml::{Reader, XmlVersion};
 use zip::ZipArchive;
 
+use self::slicer::{Slicer, Volume};
 use super::xml::attribute;
 use crate::mesh::budget::Budget;
 use crate::mesh::error::MeshError;
@@ -31,10 +35,15 @@ struct Part {
     unit: f64,
     objects: BTreeMap<u64, Object>,
     items: Vec<Reference>,
+    /// Elements of objects that aren't read: shapes of extensions.
+    unknown: BTreeSet<String>,
 }
 
 #[derive(Default)]
 struct Object {
+    /// `model` if the file doesn't say; also `solidsupport`, `support`, `surface`, `other`.
+    kind: String,
+    name: String,
     vertices: Vec<[f64; 3]>,
     triangles: Vec<[u32; 3]>,
     components: Vec<Reference>,
@@ -46,6 +55,17 @@ struct Reference {
     path: Option<String>,
     object: u64,
     affine: DAffine3,
+    /// Slicers mark what is not to be printed.
+    printable: bool,
+}
+
+/// What is left to add: the part that refers to an object, how, and how deep it is among components; the object that it
+/// is a component of.
+struct Todo {
+    here: String,
+    reference: Reference,
+    depth: usize,
+    parent: Option<u64>,
 }
 
 /// Reads the items of the build, or all objects with meshes if nothing is to be built.
@@ -59,15 +79,18 @@ pub fn read(bytes: &[u8]) -> Result<RawMesh, MeshError> {
     let mut parts = BTreeMap::new();
     load_part(&mut archive, &root, &mut budget, &mut parts)?;
     raw.unit = Some(parts[&root].unit);
-    let mut todo: Vec<(String, Reference, usize)> = Vec::new();
     let mut items = parts[&root].items.clone();
     if items.is_empty() {
         let with_mesh = parts[&root].objects.iter().filter(|(_, o)| !o.triangles.is_empty());
         items = with_mesh.map(|(&object, _)| Reference::to(object)).collect();
     }
-    todo.extend(items.into_iter().rev().map(|item| (root.clone(), item, 0)));
+    let todo = |item| Todo { here: root.clone(), reference: item, depth: 0, parent: None };
+    let mut todo: Vec<Todo> = items.into_iter().rev().map(todo).collect();
+    let slicer = Slicer::read(&mut archive, &mut budget)?;
+    let mut taken = BTreeSet::new();
+    let mut left_out = LeftOut::default();
     let mut instances = 0;
-    while let Some((here, reference, depth)) = todo.pop() {
+    while let Some(Todo { here, reference, depth, parent }) = todo.pop() {
         let path = reference.path.clone().unwrap_or(here);
         load_part(&mut archive, &path, &mut budget, &mut parts)?;
         let place = format!("{path}, object {}", reference.object);
@@ -80,22 +103,83 @@ pub fn read(bytes: &[u8]) -> Result<RawMesh, MeshError> {
                 raw.bad(place, "components contain each other, or there are over a million; export again")
             );
         }
-        add_object(&mut raw, object, &reference.affine, &mut budget, &place)?;
+        taken.insert((path.clone(), reference.object));
+        let role = slicer.part(parent, reference.object);
+        if let Some(reason) = reason_to_leave_out(object, &reference, role) {
+            left_out.add(reason, &object.name, reference.object);
+            continue;
+        }
+        let volumes = slicer.volumes(reference.object);
+        add_object(&mut raw, object, &reference.affine, volumes, &mut budget, &place)?;
+        volumes.iter().for_each(|volume| left_out.add(volume.role.clone(), &volume.name, reference.object));
+        let id = reference.object;
         for component in object.components.iter().rev() {
             let affine = reference.affine * component.affine;
-            let component = Reference { affine, ..component.clone() };
-            todo.push((path.clone(), component, depth + 1));
+            let reference = Reference { affine, ..component.clone() };
+            todo.push(Todo { here: path.clone(), reference, depth: depth + 1, parent: Some(id) });
         }
         if todo.len() > MAX_INSTANCES {
             return Err(raw.bad(place, "the file has over a million components; split it"));
         }
     }
+    note_unused(&parts, &taken, &mut left_out);
+    raw.notes.extend(left_out.notes());
     Ok(raw)
+}
+
+/// What is left out, by the reason, and the names of some.
+#[derive(Default)]
+struct LeftOut(BTreeMap<String, Vec<String>>);
+
+impl LeftOut {
+    fn add(&mut self, reason: String, name: &str, object: u64) {
+        let name = if name.is_empty() { String::new() } else { format!(" ({})", show(name.as_bytes())) };
+        self.0.entry(reason).or_default().push(format!("object {object}{name}"));
+    }
+
+    fn notes(self) -> impl Iterator<Item = String> {
+        const MOST: usize = 5;
+        self.0.into_iter().map(|(reason, names)| {
+            let some = names.iter().take(MOST).cloned().collect::<Vec<_>>().join(", ");
+            match names.len().saturating_sub(MOST) {
+                0 => format!("left out, {reason}: {some}"),
+                more => format!("left out, {reason}: {some} and {more} more"),
+            }
+        })
+    }
+}
+
+/// Why an object of the build isn't part of the solid.
+fn reason_to_leave_out(object: &Object, reference: &Reference, role: Option<&str>) -> Option<String> {
+    if let Some(role) = role {
+        return Some(role.to_owned());
+    }
+    if !reference.printable {
+        return Some("not to be printed".into());
+    }
+    match object.kind.as_str() {
+        "" | "model" | "surface" => None,
+        kind => Some(format!("of the type `{}`", show(kind.as_bytes()))),
+    }
+}
+
+/// Objects that nothing refers to, and shapes that aren't read.
+fn note_unused(parts: &BTreeMap<String, Part>, taken: &BTreeSet<(String, u64)>, left_out: &mut LeftOut) {
+    for (path, part) in parts {
+        for (&id, object) in &part.objects {
+            if !object.triangles.is_empty() && !taken.contains(&(path.clone(), id)) {
+                left_out.add("not in the build".into(), &object.name, id);
+            }
+        }
+        for name in &part.unknown {
+            left_out.0.entry("elements that are not read".into()).or_default().push(format!("`{name}`"));
+        }
+    }
 }
 
 impl Reference {
     fn to(object: u64) -> Reference {
-        Reference { path: None, object, affine: DAffine3::IDENTITY }
+        Reference { path: None, object, affine: DAffine3::IDENTITY, printable: true }
     }
 }
 
@@ -103,6 +187,7 @@ fn add_object(
     raw: &mut RawMesh,
     object: &Object,
     affine: &DAffine3,
+    without: &[Volume],
     budget: &mut Budget,
     place: &str,
 ) -> Result<(), MeshError> {
@@ -125,6 +210,9 @@ fn add_object(
                 format!("{place}, triangle {k} (counted from 0)"),
                 format!("refers to vertex {bad}, but there are only {count}; export the file again"),
             ));
+        }
+        if without.iter().any(|volume| volume.triangles.contains(&k)) {
+            continue;
         }
         let (b, c) = if mirrored { (c, b) } else { (b, c) };
         raw.faces.push(&[first + a, first + b, first + c]);
@@ -233,9 +321,14 @@ fn element(
 ) -> Result<(), MeshError> {
     let name = tag.local_name();
     match (name.as_ref(), object) {
-        ("model", _) => part.unit = unit(tag, place)?,
+        ("model", _) => {
+            check_extensions(tag)?;
+            part.unit = unit(tag, place)?;
+        }
         ("object", object) => {
-            *object = Some((parse(tag, "id", place)?, Object::default()));
+            let text = |name: &str| attribute(tag, name).unwrap_or_default();
+            let new = Object { kind: text("type"), name: text("name"), ..Object::default() };
+            *object = Some((parse(tag, "id", place)?, new));
         }
         ("vertex", Some((_, object))) => {
             let p = ["x", "y", "z"].map(|name| parse::<f64>(tag, name, place));
@@ -249,9 +342,58 @@ fn element(
         }
         ("component", Some((_, object))) => object.components.push(reference(tag, place)?),
         ("item", _) => part.items.push(reference(tag, place)?),
+        (name, Some(_)) if !is_known(name) => {
+            part.unknown.insert(show(name.as_bytes()));
+        }
         _ => {}
     }
     Ok(())
+}
+
+/// Elements of objects that leave their shape as it is.
+fn is_known(name: &str) -> bool {
+    const KNOWN: [&str; 12] = [
+        "mesh",
+        "vertices",
+        "triangles",
+        "components",
+        "metadatagroup",
+        "metadata",
+        "trianglesets",
+        "triangleset",
+        "ref",
+        "refrange",
+        "vertex",
+        "triangle",
+    ];
+    KNOWN.contains(&name)
+}
+
+/// Core specification, section 2.3.1: a file can't be read without the extensions that it requires. Materials,
+/// sets of triangles and the paths of production don't change shapes, or are read.
+fn check_extensions(tag: &BytesStart) -> Result<(), MeshError> {
+    const READ: [&str; 3] = ["/production/", "/material/", "/trianglesets/"];
+    let required = attribute(tag, "requiredextensions").unwrap_or_default();
+    for prefix in required.split_ascii_whitespace() {
+        let key = format!("xmlns:{prefix}");
+        let space = tag.attributes().flatten().find(|a| a.key.as_ref() == key);
+        let space = space.and_then(|a| Some(a.normalized_value(XmlVersion::default()).ok()?.into_owned()));
+        let space = space.unwrap_or_default();
+        if !READ.iter().any(|known| space.contains(known)) {
+            let name = if space.is_empty() { prefix } else { &space };
+            return Err(MeshError::unsupported(
+                NAME,
+                format!("the required extension {}", show_long(name)),
+                "export the model as plain triangles: without beam lattices, slices, volumes, implicit shapes and encryption",
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// Names of extensions are addresses.
+fn show_long(name: &str) -> String {
+    crate::text::quoted(name, 120)
 }
 
 fn parse<T: std::str::FromStr>(
@@ -294,5 +436,6 @@ fn reference(tag: &BytesStart, place: &dyn Fn() -> String) -> Result<Reference, 
         };
         affine = DAffine3::from_cols_array(&m);
     }
-    Ok(Reference { path, object, affine })
+    let printable = attribute(tag, "printable").is_none_or(|value| !matches!(value.as_str(), "0" | "false"));
+    Ok(Reference { path, object, affine, printable })
 }

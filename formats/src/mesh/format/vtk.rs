@@ -2,11 +2,12 @@
 //!
 //! Own reader: `vtkio` panics on damaged files and builds a C library for compression.
 
-use super::vtk_cells::{Cells, corners};
+use super::vtk_cells::{Cells, POLYHEDRON, corners, polyhedron};
+use super::vtk_ghosts::{Ghosts, LeftOut, is_ghost};
 use crate::mesh::binary::{Endian, Scalar, as_count};
 use crate::mesh::error::MeshError;
 use crate::mesh::raw::RawMesh;
-use crate::mesh::text::{Words, ends_early, not_a_number, show, words};
+use crate::mesh::text::{Words, ends_early, not_a_number, parse, show, words};
 
 pub const NAME: &str = "VTK";
 
@@ -33,6 +34,7 @@ pub fn read(bytes: &[u8]) -> Result<RawMesh, MeshError> {
     let mut kinds = Vec::new();
     let mut sections = Vec::new();
     let mut dataset = false;
+    let mut ghosts = Ghosts::default();
     while let Some(word) = file.words.next() {
         let word = word.to_ascii_uppercase();
         match word.as_slice() {
@@ -50,11 +52,13 @@ pub fn read(bytes: &[u8]) -> Result<RawMesh, MeshError> {
             b"CELLS" => cells = read_lists(&mut file)?,
             b"CELL_TYPES" => {
                 let count = file.words.count("the number of cell types")?;
-                file.words.next_line();
                 kinds = file.values(count, Scalar::I32, "cell types")?;
             }
             // What follows belongs to points and cells that were read before.
-            b"POINT_DATA" | b"CELL_DATA" => break,
+            b"POINT_DATA" | b"CELL_DATA" => {
+                ghosts = find_ghosts(&mut file, word == b"CELL_DATA")?;
+                break;
+            }
             _ => {
                 return Err(file.words.bad(format!("`{}` is not a known section", show(&word))));
             }
@@ -63,9 +67,13 @@ pub fn read(bytes: &[u8]) -> Result<RawMesh, MeshError> {
     if !dataset {
         return Err(file.words.bad(ends_early("`DATASET`")));
     }
-    let mut faces = Cells::default();
+    // The order of the cells' data.
+    sections.sort_by_key(|(kind, _)| [2, 4, 7, 6].iter().position(|k| k == kind));
+    let count = sections.iter().fold(cells.ends.len(), |n, (_, lists)| n + lists.ends.len());
+    ghosts.check(&raw, count, raw.positions.len(), &|| "the data of points and cells".into())?;
+    let mut shown = Shown { faces: Cells::default(), ghosts, left_out: LeftOut::default(), first_cell: 0 };
     for (kind, lists) in &sections {
-        lists.add(&mut raw, &mut faces, |_| Some(*kind))?;
+        lists.add(&mut raw, &mut shown, |_| Some(*kind))?;
     }
     if kinds.len() != cells.ends.len() {
         return Err(file.words.bad(format!(
@@ -74,35 +82,83 @@ pub fn read(bytes: &[u8]) -> Result<RawMesh, MeshError> {
             kinds.len()
         )));
     }
-    cells.add(&mut raw, &mut faces, |k| as_count(kinds[k]).and_then(|k| u8::try_from(k).ok()))?;
-    faces.finish(&mut raw);
+    cells.add(&mut raw, &mut shown, |k| as_count(kinds[k]).and_then(|k| u8::try_from(k).ok()))?;
+    shown.faces.finish(&mut raw);
+    raw.notes.extend(shown.left_out.note());
     Ok(raw)
+}
+
+/// The cells that are taken.
+struct Shown {
+    faces: Cells,
+    ghosts: Ghosts,
+    left_out: LeftOut,
+    /// Cells of the sections before.
+    first_cell: usize,
+}
+
+/// Looks for `vtkGhostType` in what follows `POINT_DATA` or `CELL_DATA`: `SCALARS vtkGhostType type [components]` and a
+/// line with `LOOKUP_TABLE`, or in a field `vtkGhostType components tuples type`.
+fn find_ghosts(file: &mut File, mut of_cells: bool) -> Result<Ghosts, MeshError> {
+    let mut ghosts = Ghosts::default();
+    let mut count = file.words.count("the number of values")?;
+    while let Some(line) = file.words.next_line() {
+        let items: Vec<&[u8]> = words(line).take(5).collect();
+        let number = |word: &[u8]| parse::<usize>(word);
+        let is_ghost = |name: &[u8]| std::str::from_utf8(name).is_ok_and(is_ghost);
+        let (name, kind) = match items[..] {
+            [b"POINT_DATA" | b"CELL_DATA", n] if number(n).is_some() => {
+                (of_cells, count) = (items[0] == b"CELL_DATA", number(n).unwrap_or(0));
+                continue;
+            }
+            [b"SCALARS", name, kind, ..] if is_ghost(name) => {
+                file.words.next_line();
+                (name, kind)
+            }
+            [name, b"1", tuples, kind] if is_ghost(name) && number(tuples) == Some(count) => (name, kind),
+            _ => continue,
+        };
+        let kind = scalar(&file.words, kind)?;
+        let values = file.values_here(count, kind, "values of vtkGhostType")?;
+        ghosts.add(of_cells, &show(name), &values);
+    }
+    Ok(ghosts)
 }
 
 impl Lists {
     fn add(
         &self,
         raw: &mut RawMesh,
-        faces: &mut Cells,
+        shown: &mut Shown,
         kind: impl Fn(usize) -> Option<u8>,
     ) -> Result<(), MeshError> {
         let mut start = 0;
         for (k, &end) in self.ends.iter().enumerate() {
             let at = || format!("cell {k} (counted from 0)");
-            let corners = corners(raw, &self.corners[start..end], 0, &at)?;
-            let kind = kind(k).ok_or_else(|| raw.bad(at(), "the cell type is not a type number"))?;
-            faces.add(raw, kind, &corners)?;
+            let cell = &self.corners[start..end];
             start = end;
+            let kind = kind(k).ok_or_else(|| raw.bad(at(), "the cell type is not a type number"))?;
+            let points = cell.iter().filter_map(|&corner| as_count(corner));
+            if shown.ghosts.leave_out(shown.first_cell + k, points, &mut shown.left_out) {
+                continue;
+            }
+            if kind == POLYHEDRON {
+                shown.faces.add_polyhedron(raw, polyhedron(raw, cell, 0, &at)?)?;
+                continue;
+            }
+            shown.faces.add(raw, kind, &corners(raw, cell, 0, &at)?)?;
         }
+        shown.first_cell += self.ends.len();
         Ok(())
     }
 }
 
 fn header(bytes: &[u8]) -> Result<File<'_>, MeshError> {
     let mut words = Words::new(bytes, NAME);
+    let first = words.clone();
     let magic = words.next_line().unwrap_or_default();
     if !magic.starts_with(b"# vtk DataFile") {
-        return Err(words.bad("a VTK file starts with `# vtk DataFile Version`"));
+        return Err(first.bad("a VTK file starts with `# vtk DataFile Version`"));
     }
     // The title.
     words.next_line();
@@ -144,8 +200,16 @@ fn scalar(file: &Words, word: &[u8]) -> Result<Scalar, MeshError> {
 }
 
 impl File<'_> {
-    /// `count` numbers; the words that announce them were read up to their line's end.
+    /// `count` numbers, from the next line on; the words that announce them were read.
     fn values(&mut self, count: usize, kind: Scalar, what: &str) -> Result<Vec<f64>, MeshError> {
+        let size = if self.binary { kind.size() } else { 2 };
+        self.words.room_for(count, size, what)?;
+        self.words.next_line();
+        self.values_here(count, kind, what)
+    }
+
+    /// `count` numbers.
+    fn values_here(&mut self, count: usize, kind: Scalar, what: &str) -> Result<Vec<f64>, MeshError> {
         let size = if self.binary { kind.size() } else { 2 };
         self.words.room_for(count, size, what)?;
         let mut values = Vec::with_capacity(count);
@@ -171,7 +235,6 @@ fn read_points(file: &mut File, raw: &mut RawMesh) -> Result<(), MeshError> {
     let count = file.words.count("the number of points")?;
     let word = file.words.word("the type of the points")?;
     let kind = scalar(&file.words, word)?;
-    file.words.next_line();
     let values = file.values(count.saturating_mul(3), kind, "point coordinates")?;
     raw.positions = values.chunks_exact(3).map(|p| [p[0], p[1], p[2]]).collect();
     Ok(())
@@ -182,9 +245,10 @@ fn read_points(file: &mut File, raw: &mut RawMesh) -> Result<(), MeshError> {
 fn read_lists(file: &mut File) -> Result<Lists, MeshError> {
     let count = file.words.count("the number of cells")?;
     let size = file.words.count("the size of the cells' list")?;
-    file.words.next_line();
     let mut ahead = file.words.clone();
+    ahead.next_line();
     if ahead.next().is_some_and(|word| word.eq_ignore_ascii_case(b"OFFSETS")) {
+        file.words.next_line();
         return read_offsets(file, count, size);
     }
     let values = file.values(size, Scalar::I32, "numbers of cells")?;
@@ -226,7 +290,6 @@ fn read_offsets(file: &mut File, count: usize, size: usize) -> Result<Lists, Mes
         }
         let word = file.words.word("the type of the numbers")?;
         let kind = scalar(&file.words, word)?;
-        file.words.next_line();
         arrays.push(file.values(length, kind, name)?);
     }
     let corners = arrays.pop().unwrap_or_default();
@@ -269,7 +332,6 @@ fn skip_field(file: &mut File) -> Result<(), MeshError> {
             }
             kind => scalar(&file.words, kind)?,
         };
-        file.words.next_line();
         file.values(count, kind, "values of a field")?;
     }
     Ok(())

@@ -1,11 +1,11 @@
 //! VTK's cell types as faces. The corner orders are those of the VTK file formats, figure 2 of
 //! "VTK File Formats", VTK User's Guide.
 //!
-//! Volume cells contribute their outer boundary: the faces that only one cell has, turned outward.
+//! Volume cells, polyhedra too, contribute their outer boundary: the faces that only one cell has, turned outward.
 
 use glam::DVec3;
 
-use crate::mesh::binary::as_index;
+use crate::mesh::binary::{as_count, as_index};
 use crate::mesh::error::MeshError;
 use crate::mesh::raw::RawMesh;
 
@@ -17,12 +17,41 @@ const VOXEL: &[&[usize]] =
 const WEDGE: &[&[usize]] = &[&[0, 1, 2], &[3, 5, 4], &[0, 3, 4, 1], &[1, 4, 5, 2], &[2, 5, 3, 0]];
 const PYRAMID: &[&[usize]] = &[&[0, 3, 2, 1], &[0, 1, 4], &[1, 2, 4], &[2, 3, 4], &[3, 0, 4]];
 
+/// VTK's type number of polyhedra.
+pub const POLYHEDRON: u8 = 42;
+
 /// Cells of one grid, whose faces are added at its end.
 #[derive(Default)]
 pub struct Cells {
     surface: Vec<(u8, Vec<u32>)>,
     /// Faces of volume cells: sorted corners (the fourth is `u32::MAX` for triangles) and corners.
     volume: Vec<([u32; 4], [u32; 4])>,
+    /// The same of faces with more corners, which polyhedra have.
+    polygons: Vec<(Vec<u32>, Vec<u32>)>,
+}
+
+/// The faces of one polyhedron from its stream: the number of faces, then of each its number of corners and its
+/// corners; `first` is the number of the piece's first point. Nothing may follow.
+pub fn polyhedron(
+    raw: &RawMesh,
+    stream: &[f64],
+    first: u32,
+    at: &dyn Fn() -> String,
+) -> Result<Vec<Vec<u32>>, MeshError> {
+    let bad = || {
+        raw.bad(at(), "the faces of this polyhedron don't fit its list; the file is damaged: export it again")
+    };
+    let (&count, mut rest) = stream.split_first().ok_or_else(bad)?;
+    let count = as_count(count).filter(|&count| count <= rest.len()).ok_or_else(bad)?;
+    let mut faces = Vec::with_capacity(count);
+    for _ in 0..count {
+        let (&length, more) = rest.split_first().ok_or_else(bad)?;
+        let length = as_count(length).filter(|&length| length <= more.len()).ok_or_else(bad)?;
+        let (face, more) = more.split_at(length);
+        faces.push(corners(raw, face, first, at)?);
+        rest = more;
+    }
+    if rest.is_empty() { Ok(faces) } else { Err(bad()) }
 }
 
 /// The corners from a list of numbers; `first` is the number of the piece's first point.
@@ -62,7 +91,10 @@ impl Cells {
             _ => {
                 return Err(MeshError::unsupported(
                     raw.format,
-                    format!("cell type {kind} ({})", if kind == 42 { "polyhedron" } else { "curved" }),
+                    format!(
+                        "cell type {kind} ({})",
+                        if kind == 42 { "polyhedron without faces" } else { "curved" }
+                    ),
                     "extract a linear surface (in ParaView: Extract Surface, save as .vtp)",
                 ));
             }
@@ -74,7 +106,7 @@ impl Cells {
 
     fn check_corners(&self, raw: &RawMesh, kind: u8, corners: &[u32], count: usize) -> Result<(), MeshError> {
         let bad = |problem: String| {
-            let number = self.surface.len() + self.volume.len();
+            let number = self.surface.len() + self.volume.len() + self.polygons.len();
             Err(raw.bad(format!("a cell of type {kind} (after {number} faces)"), problem))
         };
         if corners.len() != count {
@@ -103,39 +135,57 @@ impl Cells {
         Ok(())
     }
 
+    fn add_volume(&mut self, raw: &RawMesh, faces: &[&[usize]], corners: &[u32]) {
+        let faces: Vec<Vec<u32>> =
+            faces.iter().map(|face| face.iter().map(|&k| corners[k]).collect()).collect();
+        self.add_faces(raw, faces);
+    }
+
+    /// Takes a polyhedron by its faces. All points must be in `raw` already.
+    pub fn add_polyhedron(&mut self, raw: &RawMesh, faces: Vec<Vec<u32>>) -> Result<(), MeshError> {
+        for face in &faces {
+            self.check_corners(raw, POLYHEDRON, face, face.len().max(3))?;
+        }
+        self.add_faces(raw, faces);
+        Ok(())
+    }
+
     /// Files disagree about the orientation of wedges, and some hold mirrored cells: the sign of
     /// the cell's volume decides which side of its faces is outward.
-    fn add_volume(&mut self, raw: &RawMesh, faces: &[&[usize]], corners: &[u32]) {
-        let point = |k: usize| DVec3::from(raw.positions[corners[k] as usize]);
-        let relative = |k: usize| point(k) - point(0);
+    fn add_faces(&mut self, raw: &RawMesh, faces: Vec<Vec<u32>>) {
+        let Some(origin) = faces.first().and_then(|face| face.first()) else { return };
+        let point = |corner: u32| DVec3::from(raw.positions[corner as usize]);
+        let relative = |corner: u32| point(corner) - point(*origin);
         let mut volume = 0.0;
-        for face in faces {
-            for k in 1..face.len() - 1 {
-                volume += relative(face[0]).dot(relative(face[k]).cross(relative(face[k + 1])));
+        for face in &faces {
+            for pair in face[1..].windows(2) {
+                volume += relative(face[0]).dot(relative(pair[0]).cross(relative(pair[1])));
             }
         }
-        for face in faces {
-            let mut ordered = [u32::MAX; 4];
-            for (to, &k) in ordered.iter_mut().zip(face.iter()) {
-                *to = corners[k];
-            }
+        for mut face in faces {
             if volume < 0.0 {
-                ordered[..face.len()].reverse();
+                face.reverse();
             }
-            let mut key = ordered;
+            let mut key = face.clone();
             key.sort_unstable();
-            self.volume.push((key, ordered));
+            if face.len() > 4 {
+                self.polygons.push((key, face));
+            } else {
+                self.volume.push((padded(&key), padded(&face)));
+            }
         }
     }
 
     /// Adds the surface cells, and the outer faces of the volume cells.
     pub fn finish(mut self, raw: &mut RawMesh) {
         self.volume.sort_unstable();
+        self.polygons.sort_unstable();
         for (kind, corners) in &self.surface {
             // A patch on the boundary of a volume mesh is there already, facing outward.
-            if !self.volume.is_empty() && self.is_volume_face(corners) {
-                raw.skipped.other += 1;
-            } else if *kind == 6 {
+            if self.is_volume_face(corners) {
+                continue;
+            }
+            if *kind == 6 {
                 raw.add_strip(corners);
             } else {
                 raw.add_face(corners);
@@ -147,15 +197,26 @@ impl Cells {
                 raw.faces.push(corners);
             }
         }
+        for same in self.polygons.chunk_by(|a, b| a.0 == b.0) {
+            if let [(_, face)] = same {
+                raw.faces.push(face);
+            }
+        }
     }
 
     fn is_volume_face(&self, corners: &[u32]) -> bool {
-        let mut key = [u32::MAX; 4];
-        if corners.len() > 4 {
-            return false;
-        }
-        key[..corners.len()].copy_from_slice(corners);
+        let mut key = corners.to_vec();
         key.sort_unstable();
-        self.volume.binary_search_by_key(&key, |face| face.0).is_ok()
+        match corners.len() {
+            0..=4 => self.volume.binary_search_by_key(&padded(&key), |face| face.0).is_ok(),
+            _ => self.polygons.binary_search_by(|face| face.0.cmp(&key)).is_ok(),
+        }
     }
+}
+
+/// Up to four corners.
+fn padded(corners: &[u32]) -> [u32; 4] {
+    let mut out = [u32::MAX; 4];
+    out[..corners.len()].copy_from_slice(corners);
+    out
 }

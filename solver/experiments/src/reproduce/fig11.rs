@@ -144,8 +144,11 @@ const NOTE: &str = "\
 /// A square hollow in two dimensions, and a mesh of it for the bodies' own use.
 fn tank(case: Case) -> Result<Shape, Error> {
     let points = vec![[0.0, 0.0], [TANK, 0.0], [TANK, TANK], [0.0, TANK]];
-    let phi =
-        OutlineDistance::new(&Outline { points, segments: vec![[0, 1], [1, 2], [2, 3], [3, 0]] }, true, 0.0);
+    let phi = OutlineDistance::new(
+        &Outline { points, segments: vec![[0, 1], [1, 2], [2, 3], [3, 0]], ..Default::default() },
+        true,
+        0.0,
+    );
     let settings = AreaSettings {
         support_radius: Some(SUPPORT),
         grid: GridChoice::Resolution([case.cells, case.cells, 1]),

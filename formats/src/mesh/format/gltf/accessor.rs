@@ -45,7 +45,7 @@ impl<'a> Buffers<'a> {
         Buffers { root, format, chunk, folder, read }
     }
 
-    fn bad(&self, place: &str, problem: impl Into<String>) -> MeshError {
+    pub fn bad(&self, place: &str, problem: impl Into<String>) -> MeshError {
         MeshError::malformed(self.format, place, problem)
     }
 
@@ -65,6 +65,16 @@ impl<'a> Buffers<'a> {
         })
     }
 
+    /// An accessor of such a type, number by number; integers that stand for fractions become those.
+    pub fn numbers(
+        &mut self,
+        accessor: usize,
+        shape: &str,
+        budget: &mut Budget,
+    ) -> Result<Vec<f64>, MeshError> {
+        self.values(accessor, shape, budget)
+    }
+
     fn values(&mut self, index: usize, shape: &str, budget: &mut Budget) -> Result<Vec<f64>, MeshError> {
         let place = format!("accessor {index}");
         let root = self.root;
@@ -77,7 +87,12 @@ impl<'a> Buffers<'a> {
                 format!("the type {shape} was expected, not {}", show(accessor.shape.as_bytes())),
             ));
         }
-        let width = if shape == "VEC3" { 3 } else { 1 };
+        let width = match shape {
+            "VEC3" => 3,
+            "VEC4" => 4,
+            "MAT4" => 16,
+            _ => 1,
+        };
         budget.take(accessor.count, 8 * width, "the scene")?;
         let kind = self.kind(&place, accessor.component_type)?;
         let mut values = match accessor.buffer_view {

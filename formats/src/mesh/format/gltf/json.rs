@@ -27,6 +27,7 @@ pub struct Root {
     pub accessors: Vec<Accessor>,
     pub buffer_views: Vec<View>,
     pub buffers: Vec<Buffer>,
+    pub skins: Vec<Skin>,
 }
 
 #[derive(Deserialize)]
@@ -35,8 +36,23 @@ pub struct SceneNodes {
     pub nodes: Vec<usize>,
 }
 
+/// What extensions say, by their names.
+pub type Extensions = BTreeMap<String, serde_json::Value>;
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Skin {
+    pub inverse_bind_matrices: Option<usize>,
+    pub joints: Vec<usize>,
+}
+
 #[derive(Deserialize)]
 pub struct Node {
+    pub name: Option<String>,
+    pub skin: Option<usize>,
+    pub weights: Option<Vec<f64>>,
+    #[serde(default)]
+    pub extensions: Extensions,
     pub mesh: Option<usize>,
     #[serde(default)]
     pub children: Vec<usize>,
@@ -49,6 +65,10 @@ pub struct Node {
 #[derive(Deserialize)]
 pub struct Mesh {
     pub primitives: Vec<Primitive>,
+    #[serde(default)]
+    pub weights: Vec<f64>,
+    #[serde(default)]
+    pub extensions: Extensions,
 }
 
 #[derive(Deserialize)]
@@ -57,6 +77,11 @@ pub struct Primitive {
     pub indices: Option<usize>,
     #[serde(default = "triangles")]
     pub mode: u32,
+    /// Morph targets: what they move, by accessors.
+    #[serde(default)]
+    pub targets: Vec<BTreeMap<String, usize>>,
+    #[serde(default)]
+    pub extensions: Extensions,
 }
 
 fn triangles() -> u32 {

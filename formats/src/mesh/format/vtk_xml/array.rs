@@ -10,6 +10,7 @@ use std::io::Read;
 use base64::Engine;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use flate2::read::ZlibDecoder;
+use lzma_rust2::XzReader;
 
 use crate::mesh::binary::{Endian, Scalar};
 use crate::mesh::budget::Budget;
@@ -37,9 +38,42 @@ pub enum Source<'a> {
 pub struct Decoder {
     endian: Endian,
     header: Scalar,
-    compressed: bool,
+    compressor: Option<Compressor>,
     appended_raw: bool,
 }
+
+/// What a block is compressed by.
+#[derive(Clone, Copy)]
+enum Compressor {
+    Zlib,
+    /// Raw blocks, without a frame.
+    Lz4,
+    /// An xz stream a block.
+    Lzma,
+}
+
+impl Compressor {
+    /// Appends the `size` bytes that `block` holds. False: it doesn't hold so many, or is damaged.
+    fn unpack(self, block: &[u8], size: usize, out: &mut Vec<u8>) -> bool {
+        let before = out.len();
+        // One more than there should be tells that there are more.
+        let limit = size as u64 + 1;
+        let read = match self {
+            Compressor::Zlib => ZlibDecoder::new(block).take(limit).read_to_end(out).is_ok(),
+            Compressor::Lzma => match XzReader::new_mem_limit(block, false, LZMA_KIB) {
+                reader => reader.take(limit).read_to_end(out).is_ok(),
+            },
+            Compressor::Lz4 => {
+                out.resize(before + size, 0);
+                lz4_flex::block::decompress_into(block, &mut out[before..]).is_ok_and(|found| found == size)
+            }
+        };
+        read && out.len() - before == size
+    }
+}
+
+/// The most memory that LZMA may take, in KiB: VTK's presets up to 6 take 9 MiB.
+const LZMA_KIB: u32 = 48 << 10;
 
 /// What is wrong with an array.
 pub enum Problem {
@@ -73,9 +107,11 @@ impl Decoder {
         compressor: &str,
         appended: Option<&[u8]>,
     ) -> Result<Decoder, Problem> {
-        let compressed = match compressor {
-            "" => false,
-            "vtkZLibDataCompressor" => true,
+        let compressor = match compressor {
+            "" => None,
+            "vtkZLibDataCompressor" => Some(Compressor::Zlib),
+            "vtkLZ4DataCompressor" => Some(Compressor::Lz4),
+            "vtkLZMADataCompressor" => Some(Compressor::Lzma),
             other => {
                 return Err(Problem::Unsupported(
                     format!("compression by {other}"),
@@ -94,7 +130,7 @@ impl Decoder {
                 "UInt32" | "" => Scalar::U32,
                 other => return Err(bad(format!("`{other}` is not a header type"))),
             },
-            compressed,
+            compressor,
             appended_raw: appended.is_some_and(|data| !is_base64(data)),
         })
     }
@@ -117,10 +153,10 @@ impl Decoder {
 
     fn unpack<'a>(&self, stream: &mut Stream<'a>, budget: &mut Budget) -> Result<Cow<'a, [u8]>, Problem> {
         let word = self.header.size();
-        if !self.compressed {
+        let Some(compressor) = self.compressor else {
             let size = self.sizes(stream, 1)?[0];
             return stream.take(size);
-        }
+        };
         let head = self.sizes(stream, 3)?;
         let (blocks, block, last) = (head[0], head[1], head[2]);
         if blocks.saturating_mul(word) > stream.left() {
@@ -134,9 +170,7 @@ impl Decoder {
             let full = if k + 1 == blocks && last > 0 { last } else { block };
             let bytes = stream.take(size)?;
             budget.take(full, 1, "the file").map_err(Problem::Other)?;
-            let before = out.len();
-            let inflated = ZlibDecoder::new(&*bytes).take(full as u64).read_to_end(&mut out);
-            if inflated.is_err() || out.len() - before != full {
+            if !compressor.unpack(&bytes, full, &mut out) {
                 return Err(bad("a compressed block is damaged: export the file again"));
             }
         }
