@@ -274,6 +274,44 @@ fn runs_are_not_replaced_or_mixed_up() {
     assert_eq!(place.run("run", &["--overwrite", "--resume"]).status.code(), Some(2));
 }
 
+/// However the second begins; the lock dies with the first.
+#[test]
+fn two_runs_never_share_a_folder() {
+    let place = Place::new(SCENE);
+    let mut child = place.start_until("out", &["--threads", "1", "--until", "100"], 40);
+    for how in [&[][..], &["--overwrite"], &["--resume"]] {
+        let told = place.refuse("out", how);
+        assert!(told.contains("out: another run is at work in this folder"), "{how:?}: {told}");
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    place.succeed("out", &["--resume"]);
+    place.succeed("whole", &[]);
+    place.assert_same("whole", "out");
+}
+
+#[test]
+fn what_a_table_has_lost_is_told() {
+    let place = Place::new(
+        "version = 1\nparticle_radius = 0.05\nblocks = [{ min = [0, 0, 0], max = [0.3, 0.3, 0.3] }]\n\
+         output = { frames_per_second = 0 }\n",
+    );
+    place.succeed("out", &["--steps", "8"]);
+    let path = place.folder("out").join("stats.csv");
+    let mut lines: Vec<String> = std::fs::read_to_string(&path).unwrap().lines().map(str::to_owned).collect();
+    // As two programs leave it: two rows torn into each other, and one of a step after the checkpoint.
+    lines[3] = format!("{}{}", &lines[3][..20], lines[4]);
+    lines.push(lines[8].replacen('8', "9", 1));
+    std::fs::write(&path, lines.join("\n") + "\n").unwrap();
+    let done = place.run("out", &["--resume", "--steps", "10"]);
+    let told = String::from_utf8(done.stderr).unwrap();
+    assert!(done.status.success(), "{told}");
+    assert!(told.contains("note       stats.csv: 1 row after the checkpoint removed"), "{told}");
+    assert!(told.contains("1 row removed that are damaged or there twice; no row of step 3"), "{told}");
+    let steps = place.column("out", "step");
+    assert_eq!(steps, [1.0, 2.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0]);
+}
+
 /// A higher rate after a resume adds no frames for the time before, a lower one leaves no gap.
 #[test]
 fn frames_lie_at_multiples_of_their_interval() {

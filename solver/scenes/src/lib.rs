@@ -60,12 +60,11 @@
 //! - Results are the same bytes on any number of threads. Only wall-clock times differ.
 //! - A resumed run gives the same bytes as one that was never stopped, wherever it was stopped or killed.
 //! - Each file but the tables appears whole or not at all. A folder with a run is never replaced unless
-//!   [`session::Begin::Overwrite`] is set.
+//!   [`session::Begin::Overwrite`] is set, and two sessions are never in one folder: the second is refused.
 //! - Scene files and checkpoints may hold anything: what can't be used is an [`Error`] that names its place, never a
 //!   panic.
 //!
-//! Not guaranteed: the same bytes on processors of other architectures; two sessions in one folder at a time, for
-//! which there is no lock.
+//! Not guaranteed: the same bytes on processors of other architectures; locks on file systems that have none.
 
 pub mod assemble;
 pub mod error;

@@ -9,6 +9,7 @@ use crate::assemble::assemble;
 use crate::error::Error;
 use crate::output::bodies::BodyMesh;
 use crate::output::folder::Start;
+use crate::output::lock::FolderLock;
 use crate::output::statistics::RunSummary;
 use crate::output::{self, Frame, Output, StepStatistics};
 use crate::resume::{self, Identity};
@@ -54,8 +55,10 @@ pub struct Session {
     end: f64,
     last_step: Option<u64>,
     next_checkpoint: f64,
-    /// What the user should look at before the run: particles left out of bodies, coarse maps.
+    /// What the user should look at before the run: particles left out of bodies, coarse maps, tables that were torn.
     pub notes: Vec<String>,
+    /// The folder is this run's alone.
+    _lock: FolderLock,
 }
 
 /// A step that was done, with its output.
@@ -101,8 +104,8 @@ impl Session {
     /// `on_bake` is called with each mesh before it is baked.
     ///
     /// # Errors
-    /// A scene, mesh, map or checkpoint that can't be used; [`Error::RunExists`] and [`Error::NoCheckpoint`];
-    /// [`Error::Cancelled`] if the bakes were stopped.
+    /// A scene, mesh, map or checkpoint that can't be used; [`Error::RunActive`], [`Error::RunExists`] and
+    /// [`Error::NoCheckpoint`]; [`Error::Cancelled`] if the bakes were stopped.
     pub fn new(
         scene: Scene,
         folder: &Path,
@@ -110,9 +113,10 @@ impl Session {
         watch: &Watch,
         on_bake: &mut dyn FnMut(&Path),
     ) -> Result<Session, Error> {
-        refuse_to_replace(folder, settings.begin)?;
+        scene.validate()?;
+        let lock = claim(folder, settings.begin)?;
         let prepared = scene::prepare(&scene, watch, on_bake)?;
-        let notes = prepared.notes.clone();
+        let mut notes = prepared.notes.clone();
         let identity = Identity::new(&scene, prepared.files.clone());
         let meshes = body_meshes(&prepared.bodies);
         let world = picture_world(&scene, &prepared, &meshes);
@@ -120,6 +124,7 @@ impl Session {
         let mut simulation = Simulation::new(assemble(&scene, prepared)?)?;
         let start = begin(&mut simulation, folder, settings.begin, &identity)?;
         let output = Output::open(folder, &folder_settings(&scene), world, &meshes, start)?;
+        notes.extend(output.notes.iter().cloned());
         let mut session = Session {
             next_checkpoint: simulation.time() + scene.output.checkpoint_interval,
             end: settings.until.unwrap_or(scene.stop.time),
@@ -130,6 +135,7 @@ impl Session {
             scene,
             identity,
             notes,
+            _lock: lock,
         };
         if settings.begin != Begin::Resume {
             session.write_frame()?;
@@ -166,9 +172,7 @@ impl Session {
         let writing = Instant::now();
         let frame = self.write_frame_if_due(before)?;
         let statistics = StepStatistics::of(&self.simulation, &report, writing.elapsed());
-        if self.scene.output.statistics {
-            self.output.step(&statistics)?;
-        }
+        self.output.step(&statistics)?;
         // It counts the frames and rows before it.
         self.checkpoint_if_due()?;
         Ok(Step { statistics, frame })
@@ -243,13 +247,18 @@ impl Session {
     }
 }
 
-/// A run in the folder is left alone unless the settings say what becomes of it.
-fn refuse_to_replace(folder: &Path, begin: Begin) -> Result<(), Error> {
-    let folder = folder.to_owned();
+/// Takes the folder for this run. One that is in it is left alone unless the settings say what becomes of it.
+fn claim(folder: &Path, begin: Begin) -> Result<FolderLock, Error> {
+    let missing = || Error::NoCheckpoint { folder: folder.to_owned() };
+    if begin == Begin::Resume && !folder.is_dir() {
+        return Err(missing());
+    }
+    // First of all: what another run may still write says nothing.
+    let lock = FolderLock::take(folder)?;
     match begin {
-        Begin::Resume if !folder.join(CHECKPOINT).exists() => Err(Error::NoCheckpoint { folder }),
-        Begin::New if folder.join(STATISTICS).exists() => Err(Error::RunExists { folder }),
-        _ => Ok(()),
+        Begin::Resume if !folder.join(CHECKPOINT).exists() => Err(missing()),
+        Begin::New if folder.join(STATISTICS).exists() => Err(Error::RunExists { folder: folder.to_owned() }),
+        _ => Ok(lock),
     }
 }
 

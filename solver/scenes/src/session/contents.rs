@@ -19,6 +19,7 @@ pub fn folder_settings(scene: &Scene) -> FolderSettings {
         picture: PictureSettings { camera: settings.camera.clone(), ..Default::default() },
         animate: settings.preview.contains(&Picture::Apng),
         animation: AnimationSettings { frames_per_second, ..Default::default() },
+        statistics: settings.statistics,
     }
 }
 
