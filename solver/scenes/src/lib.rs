@@ -1,7 +1,7 @@
 //! Scene files of fluids and bodies, and runs of them into folders.
 //!
 //! ```text
-//! scene file -> scene -> assemble -> volmap_fluid::simulation -> session -> output: frames, pictures, checkpoints
+//! scene file -> scene -> assemble -> plan: a simulation -> session -> output: frames, pictures, checkpoints
 //! ```
 //!
 //! # A scene
@@ -69,6 +69,7 @@
 pub mod assemble;
 pub mod error;
 pub mod output;
+pub mod plan;
 pub mod resume;
 pub mod scene;
 pub mod session;

@@ -103,18 +103,7 @@ impl Output {
         bodies: &[BodyMesh],
         start: Option<Start>,
     ) -> Result<Output, Error> {
-        let needed = [
-            ("", true),
-            (PARTICLES, !settings.particles.is_empty()),
-            (PICTURES, settings.pictures),
-            (BODIES, !bodies.is_empty()),
-        ];
-        for (name, _) in needed.into_iter().filter(|(_, needed)| *needed) {
-            let folder = folder.join(name);
-            std::fs::create_dir_all(&folder).map_err(io_error(&folder))?;
-            // A run that was killed may have left incomplete files.
-            clear_leftovers(&folder).map_err(io_error(&folder))?;
-        }
+        make_folders(folder, settings, !bodies.is_empty())?;
         let mut files = Vec::new();
         for (number, body) in bodies.iter().enumerate() {
             let file = write_mesh(&folder.join(BODIES), number, body)?;
@@ -231,6 +220,23 @@ pub fn clear(folder: &Path) -> Result<(), Error> {
 
 fn is_frame(stem: &OsStr) -> bool {
     stem.to_str().and_then(|stem| stem.strip_prefix("frame_")).is_some_and(|n| n.parse::<u64>().is_ok())
+}
+
+/// The folders that a run writes into.
+fn make_folders(folder: &Path, settings: &FolderSettings, has_bodies: bool) -> Result<(), Error> {
+    let needed = [
+        ("", true),
+        (PARTICLES, !settings.particles.is_empty()),
+        (PICTURES, settings.pictures),
+        (BODIES, has_bodies),
+    ];
+    for (name, _) in needed.into_iter().filter(|(_, needed)| *needed) {
+        let folder = folder.join(name);
+        std::fs::create_dir_all(&folder).map_err(io_error(&folder))?;
+        // A run that was killed may have left incomplete files.
+        clear_leftovers(&folder).map_err(io_error(&folder))?;
+    }
+    Ok(())
 }
 
 /// `None`: a new table; `Some(None)`: one without rows; `Some(Some(kept))`: these rows.

@@ -152,6 +152,11 @@ struct Sorted {
     repair: Repair,
 }
 
+/// The first column.
+fn number(record: &csv::ByteRecord) -> Option<u64> {
+    std::str::from_utf8(record.get(0)?).ok()?.parse().ok()
+}
+
 /// The header and the rows that stay. A torn row costs no other one.
 fn sort<Row: DeserializeOwned>(bytes: &[u8], Kept { first, last, several }: Kept) -> Sorted {
     let mut reader = csv::ReaderBuilder::new().flexible(true).from_reader(bytes);
@@ -162,8 +167,7 @@ fn sort<Row: DeserializeOwned>(bytes: &[u8], Kept { first, last, several }: Kept
     let (mut next, mut same) = (first, Vec::<&[u8]>::new());
     while let Ok(true) = reader.read_byte_record(&mut record) {
         let row = &bytes[std::mem::replace(&mut end, reader.position().byte() as usize)..end];
-        let number = match record.get(0).and_then(|text| std::str::from_utf8(text).ok()?.parse::<u64>().ok())
-        {
+        let number = match number(&record) {
             Some(number) if record.len() == columns.len() && row.ends_with(b"\n") => number,
             // The last one: the program was killed while it wrote.
             _ if end == bytes.len() && !row.ends_with(b"\n") => continue,
