@@ -1,10 +1,11 @@
 //! `volmap-sim run`.
 
 use super::progress::ProgressLine;
-use super::{baking, set_threads};
+use super::{baking, set_threads, tell};
 use crate::args::RunArguments;
 use crate::signals;
 use anyhow::{Result, bail};
+use std::io::{self, Write};
 use std::path::Path;
 use volmap_formats::text::{duration, number, percent, thousands};
 use volmap_scenes::output::RunSummary;
@@ -25,7 +26,7 @@ pub fn run_simulate(arguments: &RunArguments) -> Result<()> {
     let summary = session.run(&watch, &mut |progress| line.show(progress))?;
     line.finish();
     if !quiet {
-        print_summary(&summary, &arguments.output);
+        print_summary(&summary, &arguments.output)?;
     }
     // A signal in the last step stops nothing.
     if !session.is_done() {
@@ -45,40 +46,45 @@ fn settings(arguments: &RunArguments) -> RunSettings {
 
 fn print_notes(session: &Session) {
     for note in &session.notes {
-        eprintln!("note       {note}");
+        tell(format_args!("note       {note}"));
     }
     let boundary_particles = session.simulation().boundary_particles();
     if boundary_particles > 0 {
-        eprintln!("boundary   {} particles", thousands(boundary_particles as u64));
+        tell(format_args!("boundary   {} particles", thousands(boundary_particles as u64)));
     }
 }
 
-fn print_summary(summary: &RunSummary, folder: &Path) {
-    println!(
+fn print_summary(summary: &RunSummary, folder: &Path) -> Result<()> {
+    let mut out = io::stdout().lock();
+    writeln!(
+        out,
         "simulated  {} s in {} steps and {}; {} particles",
         number(summary.simulated_seconds),
         thousands(summary.steps),
         duration(summary.wall_seconds),
         thousands(summary.particles)
-    );
-    println!(
+    )?;
+    writeln!(
+        out,
         "step       mean {} ms, {:.1} + {:.1} iterations, density error {}; {} million particle steps per second",
         number(summary.step_ms.mean),
         summary.density_iterations.mean,
         summary.divergence_iterations.mean,
         percent(summary.density_error.mean),
         number(1e-6 * summary.particle_steps_per_second)
-    );
+    )?;
     let stages: Vec<String> =
         summary.stages_ms.iter().map(|(name, spread)| format!("{name} {}", number(spread.mean))).collect();
-    println!("stages     {} ms", stages.join(", "));
+    writeln!(out, "stages     {} ms", stages.join(", "))?;
     if summary.emitted + summary.removed + summary.brought_back > 0 {
-        println!(
+        writeln!(
+            out,
             "counts     {} particles emitted, {} left the domain, {} pushed out of bodies",
             thousands(summary.emitted),
             thousands(summary.removed),
             thousands(summary.brought_back)
-        );
+        )?;
     }
-    println!("folder     {}", folder.display());
+    writeln!(out, "folder     {}", folder.display())?;
+    Ok(())
 }
