@@ -51,7 +51,9 @@ pub enum Error {
         folder: PathBuf,
     },
     /// Another run is at work in the folder.
-    #[error("{}: another run is at work in this folder; wait for it, stop it, or take another folder", folder.display())]
+    #[error(
+        "{}: another run is at work in this folder; wait for it, stop it, or take another folder", folder.display()
+    )]
     RunActive {
         /// The folder.
         folder: PathBuf,

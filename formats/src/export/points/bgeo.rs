@@ -10,7 +10,8 @@ const FLOAT: i32 = 0;
 const INTEGER: i32 = 1;
 const VECTOR: i32 = 5;
 
-/// Writes particles, places in single precision. Integers are signed in this format: those above 2^31 - 1 become negative.
+/// Writes particles, places in single precision. Integers are signed in this format: those above 2^31 - 1 become
+/// negative.
 ///
 /// # Errors
 /// Lists of different lengths, more than 2^31 - 1 points, or a file that can't be written.

@@ -104,8 +104,8 @@ impl Parts {
         let offset = self.data.len();
         _ = writeln!(
             self.header,
-            "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\"{tuples} format=\"appended\" \
-             offset=\"{offset}\"/>"
+            "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\"{tuples} \
+             format=\"appended\" offset=\"{offset}\"/>"
         );
         let blocks: Vec<Vec<u8>> = bytes.par_chunks(BLOCK).map(deflate).collect::<std::io::Result<_>>()?;
         // Blocks, bytes of a whole one, bytes of the last one if it isn't whole; then the compressed bytes of each.

@@ -37,8 +37,8 @@ pub fn notes(bodies: &[PreparedBody], rp: f64, domain: Option<&Region>) -> Vec<S
         if out > 0 {
             let how = if out == surfaces[i].len() { "begins outside" } else { "reaches out of" };
             notes.push(format!(
-                "body `{}` {how} the domain; particles are removed there, so the fluid won't carry it: move it, or widen \
-                 `domain`",
+                "body `{}` {how} the domain; particles are removed there, so the fluid won't carry it: move it, or \
+                 widen `domain`",
                 body.name
             ));
         }

@@ -213,8 +213,8 @@ fn dry(
     };
     let body = bodies.iter().find(in_body)?;
     Some(format!(
-        "its nozzle lies in body `{}`, so no fluid comes out; set bake.invert = true if that is a container, or move the \
-         nozzle",
+        "its nozzle lies in body `{}`, so no fluid comes out; set bake.invert = true if that is a container, or move \
+         the nozzle",
         body.name
     ))
 }

@@ -307,6 +307,7 @@ impl SceneSummary {
         let when = match (self.emitted, self.particles) {
             (0, _) => String::new(),
             (more, None) => format!("at the end, with {} particles of emitters: ", thousands(more)),
+            (more, Some(0)) => format!("at the end, with up to {} particles: ", thousands(more)),
             (more, Some(first)) => {
                 let all = thousands(first + more);
                 format!("at the end, with up to {all} particles, {} of them of emitters: ", thousands(more))
@@ -324,8 +325,8 @@ impl SceneSummary {
         let time = duration(self.least_steps as f64 * self.step_seconds * mean);
         writeln!(
             f,
-            "steps      at least {}, so about {time} or more; fast fluid needs shorter steps, pictures and files come on \
-             top",
+            "steps      at least {}, so about {time} or more; fast fluid needs shorter steps, pictures and files come \
+             on top",
             thousands(self.least_steps)
         )
     }
