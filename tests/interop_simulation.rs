@@ -11,14 +11,26 @@ use crate::interop_asset::run;
 /// Particle radius; the block has 20 x 16 x 24 particles.
 const RADIUS: f64 = 0.025;
 
+/// Where maps of countries have their places, and the particles of `far`.
+const FAR: DVec3 = DVec3::new(500_000.0, 0.0, 4_650_000.0);
+
 #[test]
 fn other_programs_read_the_particles() {
     let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), None);
+    std::fs::create_dir(folder.path().join("far")).unwrap();
+    write(&folder.path().join("far"), Some(FAR));
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("interop/check_simulation.py");
+    let mut command = std::process::Command::new(python());
+    print!("{}", run(command.arg(&script).arg(folder.path())));
+}
+
+/// A frame in all formats, and the collection of it. The script knows the rules that the values follow.
+fn write(folder: &Path, origin: Option<DVec3>) {
     let place =
         |n: u32| 2.0 * RADIUS * (DVec3::new((n % 20).into(), (n / 20 % 16).into(), (n / 320).into()) + 0.5);
-    // The script knows the rules that these values follow.
     let ids: Vec<u32> = (0..20 * 16 * 24).rev().collect();
-    let positions: Vec<DVec3> = ids.iter().map(|&n| place(n)).collect();
+    let positions: Vec<DVec3> = ids.iter().map(|&n| origin.unwrap_or_default() + place(n)).collect();
     let velocities: Vec<[f32; 3]> = ids.iter().map(|&n| [n as f32, 0.5, -2.0 * n as f32]).collect();
     let density: Vec<f32> = ids.iter().map(|&n| 1.0 + n as f32 / 1024.0).collect();
     let pressure: Vec<f32> = ids.iter().map(|&n| 10.0 * n as f32).collect();
@@ -26,6 +38,9 @@ fn other_programs_read_the_particles() {
         time: 0.25,
         step: 100,
         particle_radius: RADIUS,
+        particle_mass: 0.125,
+        rest_density: 1000.0,
+        origin,
         positions: &positions,
         velocities: &velocities,
         density: &density,
@@ -35,12 +50,9 @@ fn other_programs_read_the_particles() {
         bodies: &[],
     };
     for format in [ParticleFormat::Vtu, ParticleFormat::Ply, ParticleFormat::Bgeo] {
-        let path = folder.path().join(format!("frame_000001.{}", format.extension()));
+        let path = folder.join(format!("frame_000001.{}", format.extension()));
         particles::write(&path, format, &frame).unwrap();
     }
     let files = [particles::CollectionEntry { time: 0.25, file: "frame_000001.vtu".to_owned() }];
-    particles::write_collection(&folder.path().join("particles.pvd"), &files).unwrap();
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("interop/check_simulation.py");
-    let mut command = std::process::Command::new(python());
-    print!("{}", run(command.arg(&script).arg(folder.path())));
+    particles::write_collection(&folder.join("particles.pvd"), &files).unwrap();
 }

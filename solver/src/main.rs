@@ -19,7 +19,7 @@ fn main() -> ExitCode {
         // The reader of a pipe may have closed it.
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {}", message::of(&error));
+            run::tell(format_args!("error: {}", message::of(&error)));
             if message::is_cancelled(&error) { signals::STOPPED.into() } else { ExitCode::FAILURE }
         }
     }

@@ -8,13 +8,20 @@ pub mod schema;
 pub mod simulate;
 
 use anyhow::Result;
+use std::fmt::Arguments;
+use std::io::{self, Write};
 use std::path::Path;
 
 /// Announces a bake.
 fn baking(mesh: &Path, quiet: bool) {
     if !quiet {
-        eprintln!("baking     {} (first use)", mesh.display());
+        tell(format_args!("baking     {} (first use)", mesh.display()));
     }
+}
+
+/// A line on standard error. Its reader may have closed it, as `head` does: the run goes on.
+pub fn tell(line: Arguments) {
+    _ = writeln!(io::stderr().lock(), "{line}");
 }
 
 /// Sets the number of threads; all processors without one.

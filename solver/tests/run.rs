@@ -274,6 +274,44 @@ fn runs_are_not_replaced_or_mixed_up() {
     assert_eq!(place.run("run", &["--overwrite", "--resume"]).status.code(), Some(2));
 }
 
+/// However the second begins; the lock dies with the first.
+#[test]
+fn two_runs_never_share_a_folder() {
+    let place = Place::new(SCENE);
+    let mut child = place.start_until("out", &["--threads", "1", "--until", "100"], 40);
+    for how in [&[][..], &["--overwrite"], &["--resume"]] {
+        let told = place.refuse("out", how);
+        assert!(told.contains("out: another run is at work in this folder"), "{how:?}: {told}");
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    place.succeed("out", &["--resume"]);
+    place.succeed("whole", &[]);
+    place.assert_same("whole", "out");
+}
+
+#[test]
+fn what_a_table_has_lost_is_told() {
+    let place = Place::new(
+        "version = 1\nparticle_radius = 0.05\nblocks = [{ min = [0, 0, 0], max = [0.3, 0.3, 0.3] }]\n\
+         output = { frames_per_second = 0 }\n",
+    );
+    place.succeed("out", &["--steps", "8"]);
+    let path = place.folder("out").join("stats.csv");
+    let mut lines: Vec<String> = std::fs::read_to_string(&path).unwrap().lines().map(str::to_owned).collect();
+    // As two programs leave it: two rows torn into each other, and one of a step after the checkpoint.
+    lines[3] = format!("{}{}", &lines[3][..20], lines[4]);
+    lines.push(lines[8].replacen('8', "9", 1));
+    std::fs::write(&path, lines.join("\n") + "\n").unwrap();
+    let done = place.run("out", &["--resume", "--steps", "10"]);
+    let told = String::from_utf8(done.stderr).unwrap();
+    assert!(done.status.success(), "{told}");
+    assert!(told.contains("note       stats.csv: 1 row after the checkpoint removed"), "{told}");
+    assert!(told.contains("1 row removed that are damaged or there twice; no row of step 3"), "{told}");
+    let steps = place.column("out", "step");
+    assert_eq!(steps, [1.0, 2.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0]);
+}
+
 /// A higher rate after a resume adds no frames for the time before, a lower one leaves no gap.
 #[test]
 fn frames_lie_at_multiples_of_their_interval() {
@@ -293,6 +331,136 @@ fn frames_lie_at_multiples_of_their_interval() {
     let times: Vec<u64> =
         place.column_of("out", "frames.csv", "time").iter().map(|time| (1e3 * time).round() as u64).collect();
     assert_eq!(times, [0, 40, 80, 110, 120, 130, 140, 150, 200, 300]);
+}
+
+/// Steps end there, evened out before; the fluid falls faster and faster, so that their lengths vary.
+#[test]
+fn frames_lie_exactly_at_their_times() {
+    let place = Place::new(
+        "version = 1\nparticle_radius = 0.05\nblocks = [{ min = [0, 0, 0], max = [0.3, 0.3, 0.3], velocity = [0, -7, \
+         0] }]\nsolver.time_step = { max = 0.017, initial = 0.01 }\n\
+         output = { frames_per_second = 30.0, formats = [], preview = [] }\n",
+    );
+    place.succeed("out", &["--until", "0.5"]);
+    let times = place.column_of("out", "frames.csv", "time");
+    let exact: Vec<f64> = (0..=15).map(|k| f64::from(k) / 30.0).collect();
+    assert_eq!(times, exact, "to the last bit");
+    let steps = place.column("out", "dt");
+    let of_frame = |k: usize| -> Vec<f64> {
+        let ends = place.column("out", "time");
+        let within = |end: &f64| *end > exact[k] && *end <= exact[k + 1];
+        ends.iter().zip(&steps).filter(|(end, _)| within(end)).map(|(_, dt)| *dt).collect()
+    };
+    for k in 1..15 {
+        let steps = of_frame(k);
+        let least = steps.iter().copied().fold(f64::INFINITY, f64::min);
+        let most = steps.iter().copied().fold(0.0, f64::max);
+        assert!((2..=12).contains(&steps.len()) && least > 0.6 * most, "{k}: {steps:?}");
+    }
+    // The times of the frames are in the rows of the steps, too.
+    let ends = place.column("out", "time");
+    assert!(exact[1..].iter().all(|time| ends.contains(time)));
+    // Frames closer than steps can be: at the ends of steps, and said.
+    place.write(
+        "version = 1\nparticle_radius = 0.05\nblocks = [{ min = [0, 0, 0], max = [0.3, 0.3, 0.3] }]\n\
+         output = { frames_per_second = 1e5, formats = [], preview = [] }\n",
+    );
+    let told = String::from_utf8(place.run("dense", &["--steps", "5"]).stderr).unwrap();
+    assert!(
+        told.contains("note       output.frames_per_second: 100000 frames are more than steps"),
+        "{told}"
+    );
+    assert_eq!(place.column_of("dense", "frames.csv", "time").len(), 6);
+}
+
+/// Properties of the vertices of a binary PLY, and their numbers.
+fn read_ply(path: &Path) -> (Vec<String>, Vec<Vec<f32>>) {
+    let bytes = std::fs::read(path).unwrap();
+    let end = bytes.windows(11).position(|w| w == b"end_header\n").unwrap() + 11;
+    let header = std::str::from_utf8(&bytes[..end]).unwrap();
+    let names: Vec<String> = header
+        .lines()
+        .filter_map(|line| Some(line.strip_prefix("property ")?.split(' ').nth(1)?.to_owned()))
+        .collect();
+    let words = bytes[end..].as_chunks::<4>().0.iter().map(|&word| f32::from_le_bytes(word));
+    let words: Vec<f32> = words.collect();
+    let rows = words.chunks(names.len()).map(<[f32]>::to_vec).collect();
+    (names, rows)
+}
+
+/// A tank in coordinates of a country's map, and the same one near the origin.
+#[test]
+fn places_far_from_the_origin_are_kept() {
+    let far = [500_000.0, 0.0, 4_650_000.0];
+    let scene = |at: [f64; 3]| {
+        let [x, y, z] = at;
+        format!(
+            "version = 1\nparticle_radius = 0.05\nblocks = [{{ min = [{}, {y}, {}], max = [{}, {}, {}] }}]\n\
+             output = {{ frames_per_second = 10, formats = [\"vtu\", \"ply\", \"bgeo\"], preview = [\"png\"] }}\n\
+             [[bodies]]\nname = \"tank\"\nmesh = \"tank.obj\"\nbake = {{ invert = true }}\n",
+            x - 0.5,
+            z - 0.5,
+            x + 0.5,
+            y + 0.4,
+            z + 0.5
+        )
+    };
+    let moved = |line: &str, at: [f64; 3]| match line.strip_prefix("v ") {
+        Some(corner) => {
+            let parts = corner.split_whitespace().zip(at);
+            let parts = parts.map(|(x, at)| format!(" {}", x.parse::<f64>().unwrap() + at));
+            format!("v{}\n", parts.collect::<String>())
+        }
+        None => format!("{line}\n"),
+    };
+    let tank = |at: [f64; 3]| CUBE.lines().map(|line| moved(line, at)).collect::<String>();
+    let up = |[x, y, z]: [f64; 3]| [x, y + 0.5, z];
+    let place = Place::new(&scene([0.0; 3]));
+    std::fs::write(place.folder("tank.obj"), tank(up([0.0; 3]))).unwrap();
+    place.succeed("near", &["--until", "0.1"]);
+    place.write(&scene(far));
+    std::fs::write(place.folder("tank.obj"), tank(up(far))).unwrap();
+    let done = place.run("far", &["--until", "0.1"]);
+    let told = String::from_utf8(done.stderr).unwrap();
+    assert!(
+        done.status.success() && told.contains("note       the scene lies far from the origin"),
+        "{told}"
+    );
+    for frame in ["frame_000000", "frame_000001"] {
+        let file = |run: &str, end: &str| place.folder(run).join(format!("particles/{frame}.{end}"));
+        let (names, near) = read_ply(&file("near", "ply"));
+        let (with_origin, rows) = read_ply(&file("far", "ply"));
+        assert_eq!(with_origin[..names.len()], names);
+        assert_eq!(with_origin[names.len()..], ["origin_x", "origin_y", "origin_z"]);
+        let id = names.iter().position(|name| name == "id").unwrap();
+        let by_id = |rows: &[Vec<f32>], origin: bool| {
+            let at = |row: &Vec<f32>, axis: usize| {
+                let base = if origin { f64::from(row[names.len() + axis]) - far[axis] } else { 0.0 };
+                base + f64::from(row[axis])
+            };
+            let places = rows.iter().map(|row| (row[id].to_bits(), [0, 1, 2].map(|axis| at(row, axis))));
+            places.collect::<BTreeMap<u32, [f64; 3]>>()
+        };
+        let (near, far) = (by_id(&near, false), by_id(&rows, true));
+        assert_eq!((near.len(), far.len()), (400, 400));
+        // Both runs move alike, up to the rounding of coordinates: a thousandth of a radius, and more after 0.1 s.
+        let most = if frame == "frame_000000" { 5e-5 } else { 2e-3 };
+        for (id, a) in &near {
+            assert!((0..3).all(|axis| (a[axis] - far[id][axis]).abs() < most), "{id}: {a:?} {:?}", far[id]);
+        }
+        let text = |run: &str| String::from_utf8(std::fs::read(file(run, "vtu")).unwrap()).unwrap();
+        assert!(text("near").contains("type=\"Float32\" Name=\"Points\""), "ordinary files stay small");
+        assert!(text("far").contains("type=\"Float64\" Name=\"Points\""));
+        assert!(text("far").contains("Name=\"origin [m]\""));
+    }
+    let picture = |run: &str| std::fs::read(place.folder(run).join("pictures/frame_000000.png")).unwrap();
+    let [near, far] = ["near", "far"].map(|run| picture_of(&picture(run)));
+    let differing = near.iter().zip(&far).filter(|(a, b)| a.abs_diff(**b) > 8).count();
+    assert!(differing < near.len() / 200, "{differing} of {} differ", near.len());
+}
+
+fn picture_of(file: &[u8]) -> Vec<u8> {
+    volmap_figures::picture::png::decode(file).unwrap().1
 }
 
 /// A stop in the last step changes nothing.

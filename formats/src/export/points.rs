@@ -16,9 +16,67 @@ pub use vtu::write as write_vtu;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Points<'a> {
     /// Places, metres.
-    pub positions: &'a [[f32; 3]],
+    pub positions: Positions<'a>,
     /// Values, as many as points, each with its name: plain ASCII letters, digits and underscores.
     pub arrays: Vec<(&'static str, Values<'a>)>,
+    /// Numbers that all points share, each with its name, as `TimeValue` (seconds) or `particle_radius [m]`. VTU has
+    /// them as field data, PLY as comments, BGEO not at all.
+    pub facts: Vec<(&'static str, Vec<f64>)>,
+}
+
+/// Places of points, in one precision.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Positions<'a> {
+    /// Single.
+    F32(&'a [[f32; 3]]),
+    /// Double, for what lies far from the origin. BGEO has single precision only; splashsurf reads it in VTU, not in
+    /// PLY.
+    F64(&'a [[f64; 3]]),
+}
+
+impl Default for Positions<'_> {
+    fn default() -> Self {
+        Positions::F32(&[])
+    }
+}
+
+impl Positions<'_> {
+    /// How many points there are.
+    pub fn len(self) -> usize {
+        match self {
+            Positions::F32(places) => places.len(),
+            Positions::F64(places) => places.len(),
+        }
+    }
+
+    /// Whether there is no point.
+    pub fn is_empty(self) -> bool {
+        self.len() == 0
+    }
+
+    /// A point's place in single precision.
+    fn rounded(self, point: usize) -> [f32; 3] {
+        match self {
+            Positions::F32(places) => places[point],
+            Positions::F64(places) => places[point].map(|x| x as f32),
+        }
+    }
+
+    /// Bytes of a point.
+    fn bytes(self) -> usize {
+        match self {
+            Positions::F32(_) => 3 * size_of::<f32>(),
+            Positions::F64(_) => 3 * size_of::<f64>(),
+        }
+    }
+
+    /// Adds a point's place, little-endian.
+    fn add(self, point: usize, out: &mut Vec<u8>) {
+        match self {
+            Positions::F32(places) => out.extend(places[point].iter().flat_map(|x| x.to_le_bytes())),
+            Positions::F64(places) => out.extend(places[point].iter().flat_map(|x| x.to_le_bytes())),
+        }
+    }
 }
 
 /// Values of one type, one a point.
@@ -62,16 +120,11 @@ impl Values<'_> {
     }
 }
 
-impl<'a> Points<'a> {
-    /// Positions and values.
-    fn all(&self) -> impl Iterator<Item = Values<'a>> {
-        let positions = Values::Vector(self.positions);
-        std::iter::once(positions).chain(self.arrays.iter().map(|&(_, values)| values))
-    }
-
+impl Points<'_> {
     /// Bytes of a point with all its values.
     fn point_bytes(&self) -> usize {
-        WORD * self.all().map(Values::components).sum::<usize>()
+        let words: usize = self.arrays.iter().map(|(_, values)| values.components()).sum();
+        self.positions.bytes() + WORD * words
     }
 
     /// Whether there are as many values as points, and as many points as the format can count.
@@ -99,12 +152,13 @@ mod tests {
         let density: Vec<f32> = (0..50).map(|n| 1.0 + 1e-4 * n as f32).collect();
         let id: Vec<u32> = (0..50).rev().collect();
         use_it(&Points {
-            positions: &positions,
+            positions: Positions::F32(&positions),
             arrays: vec![
                 ("velocity", Values::Vector(&velocity)),
                 ("density", Values::F32(&density)),
                 ("id", Values::U32(&id)),
             ],
+            facts: vec![("TimeValue", vec![0.25])],
         })
     }
 
@@ -113,7 +167,11 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("points");
         let density = Values::F32(&[1.0, 2.0]);
-        let points = Points { positions: &[[0.0; 3]; 3], arrays: vec![("density", density)] };
+        let points = Points {
+            positions: Positions::F32(&[[0.0; 3]; 3]),
+            arrays: vec![("density", density)],
+            ..Points::default()
+        };
         for write in [write_vtu, write_ply, write_bgeo] {
             let error = write(&path, &points).unwrap_err().to_string();
             assert!(error.contains("3 points, but 2 values of density"), "{error}");

@@ -22,7 +22,7 @@ use crate::settings::{FluidSettings, SolveSettings, SolverSettings, World};
 use crate::setup::Setup;
 use crate::stages::Stages;
 use crate::strays;
-use crate::time_step::time_step;
+use crate::time_step::{part_of, time_step};
 use rayon::prelude::*;
 use volmap_formats::text::number;
 use volmap_runtime::DVec3;
@@ -148,16 +148,32 @@ impl Simulation {
     pub fn step(&mut self) -> Result<StepReport, Error> {
         // All on one of rayon's threads: from outside, each parallel loop would put this thread to sleep and wake it
         // again.
-        rayon::scope(|_| self.perform())
+        rayon::scope(|_| self.perform(None))
     }
 
-    fn perform(&mut self) -> Result<StepReport, Error> {
+    /// One step of those that end exactly at `target`, seconds, which must be later than now: none is longer than
+    /// [`Simulation::step`] would make it, and they share what is left evenly, so that none is tiny.
+    ///
+    /// # Errors
+    /// As [`Simulation::step`].
+    pub fn step_towards(&mut self, target: f64) -> Result<StepReport, Error> {
+        rayon::scope(|_| self.perform(Some(target)))
+    }
+
+    fn perform(&mut self, target: Option<f64>) -> Result<StepReport, Error> {
         self.stages.begin();
         self.body_forces.clear();
         self.body_forces.resize(self.bodies.posed().len(), [DVec3::ZERO; 2]);
         let emitted = self.emit();
         let max_speed = self.max_speed();
-        let dt = self.time_step(max_speed)?;
+        let mut dt = self.time_step(max_speed)?;
+        let mut end = self.time + dt;
+        if let Some(target) = target.filter(|target| *target > self.time) {
+            let left = target - self.time;
+            dt = part_of(left, dt);
+            // The last of them: no rounding of sums.
+            end = if dt == left { target } else { self.time + dt };
+        }
         self.find_neighbourhoods()?;
         self.compute_density();
         let divergence = self.correct_divergence_error(dt);
@@ -168,7 +184,7 @@ impl Simulation {
         self.stages.end(|stages| &mut stages.advance);
         self.bodies.step(dt)?;
         self.stages.end(|stages| &mut stages.rigid);
-        self.time += dt;
+        self.time = end;
         self.step += 1;
         Ok(StepReport {
             dt,
@@ -450,6 +466,11 @@ impl Simulation {
     /// Largest speed of a body where it touched the fluid in the last step, m/s.
     pub fn body_speed(&self) -> f64 {
         self.body_speed
+    }
+
+    /// Lowest and highest corner of the box that particles must not leave, metres.
+    pub fn domain(&self) -> [DVec3; 2] {
+        self.domain
     }
 
     pub(crate) fn is_in_domain(&self, x: DVec3) -> bool {

@@ -15,9 +15,38 @@ pub fn time_step(settings: &TimeStepSettings, particle_radius: f64, max_speed: f
     step.min(settings.max).min(most).max(settings.min)
 }
 
+/// Rounding of sums of steps, in parts of a step: a last step may be longer by this.
+const ROUNDING: f64 = 1e-6;
+
+/// The first of equal steps that together last for `time` and are as few as can be, none longer than `most`. All times
+/// in seconds and positive.
+pub fn part_of(time: f64, most: f64) -> f64 {
+    let count = (time / most - ROUNDING).ceil().max(1.0);
+    time / count
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn steps_share_a_time_evenly() {
+        assert_eq!(part_of(0.04, 0.04), 0.04);
+        assert_eq!(part_of(0.04, 1.0), 0.04);
+        // Twenty, not one and a half; and no tiny last one.
+        assert_eq!(part_of(0.04, 0.002), 0.04 / 20.0);
+        assert_eq!(part_of(0.04, 0.03), 0.02);
+        assert_eq!(part_of(0.04, 0.0399), 0.02);
+        assert_eq!(part_of(0.04, 0.04 * (1.0 - 1e-12)), 0.04, "rounding makes no step");
+        // As a run goes: what is left after each of them is shared anew.
+        let (mut left, mut count) = (0.04, 0);
+        while left > 0.0 {
+            let dt = part_of(left, 0.0019);
+            assert!(dt > 0.0018 && dt <= 0.0019);
+            (left, count) = (if dt == left { 0.0 } else { left - dt }, count + 1);
+        }
+        assert_eq!(count, 22);
+    }
 
     #[test]
     fn step_keeps_its_bounds() {

@@ -31,6 +31,9 @@ fn measure(count: usize) {
         time: 0.5,
         step: 100,
         particle_radius: 0.5 * spacing,
+        particle_mass: 1000.0 * spacing.powi(3),
+        rest_density: 1000.0,
+        origin: None,
         positions: &positions,
         velocities: &velocities,
         density: &ones,
@@ -40,7 +43,13 @@ fn measure(count: usize) {
         bodies: &[],
     };
     let bounds = Bounds { low: glam::Vec3::ZERO, high: glam::Vec3::new(2.0, 1.0, 1.0) };
-    let world = World { bounds, gravity: glam::Vec3::NEG_Y, rest_density: 1000.0, props: Vec::new() };
+    let world = World {
+        origin: DVec3::ZERO,
+        bounds,
+        gravity: glam::Vec3::NEG_Y,
+        rest_density: 1000.0,
+        props: Vec::new(),
+    };
     let mut painter = Painter::new(&PictureSettings::default(), world);
     println!("{} particles", positions.len());
     let mut size = 0;

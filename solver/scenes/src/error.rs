@@ -50,6 +50,14 @@ pub enum Error {
         /// The folder.
         folder: PathBuf,
     },
+    /// Another run is at work in the folder.
+    #[error(
+        "{}: another run is at work in this folder; wait for it, stop it, or take another folder", folder.display()
+    )]
+    RunActive {
+        /// The folder.
+        folder: PathBuf,
+    },
     /// A checkpoint can't be used.
     #[error("{}: {reason}", path.display())]
     Checkpoint {

@@ -1,7 +1,7 @@
 //! Scene files of fluids and bodies, and runs of them into folders.
 //!
 //! ```text
-//! scene file -> scene -> assemble -> volmap_fluid::simulation -> session -> output: frames, pictures, checkpoints
+//! scene file -> scene -> assemble -> plan: a simulation -> session -> output: frames, pictures, checkpoints
 //! ```
 //!
 //! # A scene
@@ -60,16 +60,16 @@
 //! - Results are the same bytes on any number of threads. Only wall-clock times differ.
 //! - A resumed run gives the same bytes as one that was never stopped, wherever it was stopped or killed.
 //! - Each file but the tables appears whole or not at all. A folder with a run is never replaced unless
-//!   [`session::Begin::Overwrite`] is set.
+//!   [`session::Begin::Overwrite`] is set, and two sessions are never in one folder: the second is refused.
 //! - Scene files and checkpoints may hold anything: what can't be used is an [`Error`] that names its place, never a
 //!   panic.
 //!
-//! Not guaranteed: the same bytes on processors of other architectures; two sessions in one folder at a time, for
-//! which there is no lock.
+//! Not guaranteed: the same bytes on processors of other architectures; locks on file systems that have none.
 
 pub mod assemble;
 pub mod error;
 pub mod output;
+pub mod plan;
 pub mod resume;
 pub mod scene;
 pub mod session;

@@ -6,13 +6,15 @@
 //! StepStatistics -> stats.csv, stats.json            bodies/00_duck.ply            checkpoint
 //! ```
 //! [`folder::Output`] writes all of them. Each file but the tables appears whole or not at all. Tables grow by whole
-//! rows, and a run that resumes from a checkpoint cuts them after the last row that the checkpoint knows of.
+//! rows, and a run that resumes from a checkpoint cuts them after the last row that the checkpoint knows of; what it
+//! removes or misses, it says. One run at a time writes into a folder: [`lock`].
 
 pub mod animation;
 pub mod bodies;
 pub mod checkpoint;
 pub mod folder;
 pub mod frame;
+pub mod lock;
 pub mod particles;
 pub mod picture;
 pub mod poses;

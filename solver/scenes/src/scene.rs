@@ -15,6 +15,7 @@ mod nozzle;
 pub mod numbers;
 pub mod output;
 mod overlap;
+pub mod placement;
 pub mod prepare;
 mod read;
 pub mod sources;
@@ -26,7 +27,7 @@ pub use numbers::{Region, Rotation};
 pub use output::{OutputSettings, Picture, StopSettings};
 pub use prepare::{Prepared, PreparedBody, SourceFile, prepare};
 pub use read::{load, parse};
-pub use summary::{SceneSummary, check, info};
+pub use summary::{SceneSummary, info};
 pub use volmap_documents::Syntax;
 
 use crate::error::Error;

@@ -5,21 +5,26 @@
 
 mod contents;
 
-use crate::assemble::assemble;
 use crate::error::Error;
 use crate::output::bodies::BodyMesh;
 use crate::output::folder::Start;
+use crate::output::lock::FolderLock;
 use crate::output::statistics::RunSummary;
 use crate::output::{self, Frame, Output, StepStatistics};
+use crate::plan::{Plan, plan};
 use crate::resume::{self, Identity};
 use crate::scene::{self, Scene};
-use contents::{body_frames, body_meshes, folder_settings, picture_world};
+use contents::{
+    Beginning, body_frames, body_meshes, far_origin, folder_settings, origin_note, picture_world,
+};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use volmap_bake::watch::Watch;
 use volmap_fluid::channels::{Channel, ChannelValues};
 use volmap_fluid::simulation::Simulation;
 use volmap_formats::export::points::Values;
+use volmap_formats::text::number;
+use volmap_runtime::DVec3;
 
 /// How a run begins and ends.
 #[derive(Clone, Debug, Default)]
@@ -54,8 +59,14 @@ pub struct Session {
     end: f64,
     last_step: Option<u64>,
     next_checkpoint: f64,
-    /// What the user should look at before the run: particles left out of bodies, coarse maps.
+    /// Which bodies have left the domain.
+    gone: Vec<bool>,
+    /// What places in files are relative to, if they need it.
+    origin: Option<DVec3>,
+    /// What the user should look at before the run: particles left out of bodies, coarse maps, tables that were torn.
     pub notes: Vec<String>,
+    /// The folder is this run's alone.
+    _lock: FolderLock,
 }
 
 /// A step that was done, with its output.
@@ -65,6 +76,8 @@ pub struct Step {
     pub statistics: StepStatistics,
     /// The number of the frame that was written after it, if one was due.
     pub frame: Option<u64>,
+    /// What the user should know of it.
+    pub notes: Vec<String>,
 }
 
 /// What [`Session::run`] tells after each step.
@@ -81,6 +94,9 @@ pub struct Progress<'a> {
 
 const CHECKPOINT: &str = "checkpoint";
 const STATISTICS: &str = "stats.csv";
+
+/// In intervals of frames: for times that are sums of steps.
+const TOLERANCE: f64 = 1e-9;
 
 impl Session {
     /// Reads a scene file and begins as [`Session::new`].
@@ -101,8 +117,8 @@ impl Session {
     /// `on_bake` is called with each mesh before it is baked.
     ///
     /// # Errors
-    /// A scene, mesh, map or checkpoint that can't be used; [`Error::RunExists`] and [`Error::NoCheckpoint`];
-    /// [`Error::Cancelled`] if the bakes were stopped.
+    /// A scene, mesh, map or checkpoint that can't be used; [`Error::RunActive`], [`Error::RunExists`] and
+    /// [`Error::NoCheckpoint`]; [`Error::Cancelled`] if the bakes were stopped.
     pub fn new(
         scene: Scene,
         folder: &Path,
@@ -110,26 +126,33 @@ impl Session {
         watch: &Watch,
         on_bake: &mut dyn FnMut(&Path),
     ) -> Result<Session, Error> {
-        refuse_to_replace(folder, settings.begin)?;
-        let prepared = scene::prepare(&scene, watch, on_bake)?;
-        let notes = prepared.notes.clone();
-        let identity = Identity::new(&scene, prepared.files.clone());
-        let meshes = body_meshes(&prepared.bodies);
-        let world = picture_world(&scene, &prepared, &meshes);
+        scene.validate()?;
+        let lock = claim(folder, settings.begin)?;
+        let end = settings.until.unwrap_or(scene.stop.time);
+        let Plan { mut simulation, bodies, files, mut notes, .. } = plan(&scene, end, watch, on_bake)?;
+        let identity = Identity::new(&scene, files);
+        let meshes = body_meshes(&bodies);
+        let beginning = Beginning { scene: &scene, simulation: &simulation, bodies: &bodies };
+        let origin = far_origin(&beginning);
+        notes.extend(origin.map(|origin| origin_note(&scene, origin)).into_iter().chain(frames_note(&scene)));
+        let world = picture_world(&beginning, &meshes, origin.unwrap_or_default());
         let meshes: Vec<BodyMesh> = meshes.into_iter().flatten().collect();
-        let mut simulation = Simulation::new(assemble(&scene, prepared)?)?;
         let start = begin(&mut simulation, folder, settings.begin, &identity)?;
         let output = Output::open(folder, &folder_settings(&scene), world, &meshes, start)?;
+        notes.extend(output.notes.iter().cloned());
         let mut session = Session {
             next_checkpoint: simulation.time() + scene.output.checkpoint_interval,
-            end: settings.until.unwrap_or(scene.stop.time),
+            end,
+            gone: vec![false; bodies.len()],
             last_step: settings.steps.or(scene.stop.steps),
             folder: folder.to_owned(),
             simulation,
             output,
             scene,
             identity,
+            origin,
             notes,
+            _lock: lock,
         };
         if settings.begin != Begin::Resume {
             session.write_frame()?;
@@ -162,16 +185,35 @@ impl Session {
     /// checkpoint.
     pub fn step(&mut self) -> Result<Step, Error> {
         let before = self.simulation.time();
-        let report = self.simulation.step()?;
+        let report = match self.next_frame_time() {
+            Some(time) => self.simulation.step_towards(time)?,
+            None => self.simulation.step()?,
+        };
         let writing = Instant::now();
         let frame = self.write_frame_if_due(before)?;
         let statistics = StepStatistics::of(&self.simulation, &report, writing.elapsed());
-        if self.scene.output.statistics {
-            self.output.step(&statistics)?;
-        }
+        self.output.step(&statistics)?;
         // It counts the frames and rows before it.
         self.checkpoint_if_due()?;
-        Ok(Step { statistics, frame })
+        Ok(Step { statistics, frame, notes: self.gone_bodies() })
+    }
+
+    /// A note for each free body that has left the domain in this step, or before the run was resumed.
+    fn gone_bodies(&mut self) -> Vec<String> {
+        let [low, high] = self.simulation.domain();
+        let bodies = self.simulation.bodies();
+        let mut notes = Vec::new();
+        for (body, gone) in self.gone.iter_mut().enumerate().filter(|(body, _)| bodies.is_free(*body)) {
+            let centre = bodies.center_of_mass(body);
+            let is_out = centre.cmplt(low).any() || centre.cmpgt(high).any();
+            if is_out && !*gone {
+                let (name, time) = (bodies.name(body), number(self.simulation.time()));
+                let [x, y, z] = centre.to_array().map(number);
+                notes.push(format!("body `{name}` left the domain: at {time} s it is at ({x}, {y}, {z}) m"));
+            }
+            *gone = is_out;
+        }
+        notes
     }
 
     /// Writes the checkpoint and what sums up the run so far. The run can go on afterwards, here or by
@@ -195,10 +237,16 @@ impl Session {
         &self.simulation
     }
 
+    /// The time of the next frame, if steps end there.
+    fn next_frame_time(&self) -> Option<f64> {
+        let rate = self.scene.output.frames_per_second;
+        let passed = (rate * self.simulation.time() + TOLERANCE).floor();
+        has_exact_frames(&self.scene).then(|| (passed + 1.0) / rate)
+    }
+
     /// A frame, if the last step, which began at `before`, reached or passed a multiple of the frames' interval.
     fn write_frame_if_due(&mut self, before: f64) -> Result<Option<u64>, Error> {
-        // The tolerance is for times that are sums of steps.
-        let intervals = |time: f64| (time * self.scene.output.frames_per_second + 1e-9).floor();
+        let intervals = |time: f64| (time * self.scene.output.frames_per_second + TOLERANCE).floor();
         if intervals(self.simulation.time()) <= intervals(before) {
             return Ok(None);
         }
@@ -218,6 +266,9 @@ impl Session {
             time: simulation.time(),
             step: simulation.steps(),
             particle_radius: self.scene.particle_radius,
+            particle_mass: simulation.particle_mass(),
+            rest_density: self.scene.fluid.rest_density,
+            origin: self.origin,
             positions: &particles.positions,
             velocities: &particles.velocities,
             density: simulation.densities(),
@@ -243,13 +294,37 @@ impl Session {
     }
 }
 
-/// A run in the folder is left alone unless the settings say what becomes of it.
-fn refuse_to_replace(folder: &Path, begin: Begin) -> Result<(), Error> {
-    let folder = folder.to_owned();
+/// Whether steps are shortened so that frames lie at multiples of their interval: not if they would be shorter than
+/// the scene allows.
+fn has_exact_frames(scene: &Scene) -> bool {
+    let step = &scene.solver.time_step;
+    let least = if step.adaptive { step.min } else { step.initial };
+    let rate = scene.output.frames_per_second;
+    rate > 0.0 && least * rate <= 1.0 + TOLERANCE
+}
+
+fn frames_note(scene: &Scene) -> Option<String> {
+    let rate = scene.output.frames_per_second;
+    (rate > 0.0 && !has_exact_frames(scene)).then(|| {
+        format!(
+            "output.frames_per_second: {rate} frames are more than steps of solver.time_step, so they lie where steps \
+             end, not at multiples of their interval"
+        )
+    })
+}
+
+/// Takes the folder for this run. One that is in it is left alone unless the settings say what becomes of it.
+fn claim(folder: &Path, begin: Begin) -> Result<FolderLock, Error> {
+    let missing = || Error::NoCheckpoint { folder: folder.to_owned() };
+    if begin == Begin::Resume && !folder.is_dir() {
+        return Err(missing());
+    }
+    // First of all: what another run may still write says nothing.
+    let lock = FolderLock::take(folder)?;
     match begin {
-        Begin::Resume if !folder.join(CHECKPOINT).exists() => Err(Error::NoCheckpoint { folder }),
-        Begin::New if folder.join(STATISTICS).exists() => Err(Error::RunExists { folder }),
-        _ => Ok(()),
+        Begin::Resume if !folder.join(CHECKPOINT).exists() => Err(missing()),
+        Begin::New if folder.join(STATISTICS).exists() => Err(Error::RunExists { folder: folder.to_owned() }),
+        _ => Ok(lock),
     }
 }
 

@@ -166,7 +166,7 @@ fn values_out_of_range_are_named_and_placed() {
         ("-9.81", "inf", "s.toml:4:1: gravity: inf is not a usable number"),
         ("max = [1, 1, 1]", "max = [1, 0, 1]", "s.toml:8:1: blocks[0].max: [1.0, 0.0, 1.0] is not above min"),
         ("max = [1, 1, 1]", "max = [1, 0.01, 1]", "thinner than a particle"),
-        ("max = [1, 1, 1]", "max = [1e4, 1e4, 1e4]", "particles, more than 100000000"),
+        ("max = [1, 1, 1]", "max = [1e4, 1e4, 1e4]", "particles, more than 100,000,000"),
         ("500.0", "0", "s.toml:17:1: bodies[1].motion.free.density: 0 is not positive"),
         ("500.0", "1\nmass = 2", "bodies[1].motion.free: give `density` (kg/m^3) or `mass` (kg)"),
         ("max = 2e-3", "min = 0.01", "s.toml:22:1: solver.time_step.min: 0.01 s is more than max, 0.002 s"),

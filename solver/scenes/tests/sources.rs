@@ -144,7 +144,7 @@ fn what_lies_in_a_body_is_left_out_and_counted() {
     let prepared = run(&Scene { bodies: vec![body(tank(false))], blocks, ..scene(&cache) }).unwrap();
     let counts = &prepared.particles.counts[0];
     assert_eq!((counts.particles, counts.in_bodies), (64_000 - 8000, 8000));
-    assert!(prepared.notes[0].contains("8000 in a body"), "{:?}", prepared.notes);
+    assert!(prepared.notes[0].contains("8,000 in a body"), "{:?}", prepared.notes);
 }
 
 #[test]
@@ -174,7 +174,10 @@ fn no_fluid_is_an_error_with_its_cause() {
     assert!(run(&scene(&cache)).unwrap_err().contains("there is no fluid"));
     let blocks = vec![cube([-0.25, 0.25, -0.25], 0.5)];
     let error = run(&Scene { bodies: vec![body(tank(false))], blocks, ..scene(&cache) }).unwrap_err();
-    assert!(error.contains("all 1000 particles lie in a body") && error.contains("invert = true"), "{error}");
+    assert!(
+        error.contains("all 1,000 particles lie in a body,") && error.contains("invert = true"),
+        "{error}"
+    );
     let bake = Parameters { scale: Some(Scale([0.01; 3])), ..tank(false) };
     let fills = vec![Fill { mesh: Some(data("tank.obj")), bake, ..Fill::default() }];
     assert!(run(&Scene { fills, ..scene(&cache) }).unwrap_err().contains("no particle fits"));

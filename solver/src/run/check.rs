@@ -5,10 +5,10 @@ use super::info::print;
 use crate::args::SceneArguments;
 use crate::signals;
 use anyhow::Result;
-use volmap_scenes::scene;
+use volmap_scenes::plan;
 
 /// Checks that a scene can run.
 pub fn run_check(arguments: &SceneArguments) -> Result<()> {
-    let summary = scene::check(&arguments.scene, &signals::watch()?, &mut |mesh| baking(mesh, false))?;
+    let summary = plan::check(&arguments.scene, &signals::watch()?, &mut |mesh| baking(mesh, false))?;
     print(&summary, arguments.json)
 }

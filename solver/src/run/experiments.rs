@@ -1,6 +1,6 @@
 //! `volmap-sim validate` and `volmap-sim reproduce`.
 
-use super::set_threads;
+use super::{set_threads, tell};
 use crate::args::ExperimentArguments;
 use crate::signals;
 use anyhow::{Context, Error, Result, bail};
@@ -31,7 +31,7 @@ pub fn run_experiments(set: &ExperimentSet, arguments: &ExperimentArguments) -> 
     }
     let progress = |text: &str| {
         if !arguments.quiet {
-            eprintln!("{text}");
+            tell(format_args!("{text}"));
         }
     };
     let watch = signals::watch()?;

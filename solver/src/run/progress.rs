@@ -1,5 +1,6 @@
 //! One line about the last step: redrawn on a terminal, printed every few seconds elsewhere.
 
+use super::tell;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
@@ -33,12 +34,21 @@ impl ProgressLine {
     pub fn show(&mut self, progress: &Progress) {
         let step = &progress.step.statistics;
         let first = *self.first_time.get_or_insert(step.time - step.dt);
+        self.tell_notes(&progress.step.notes);
         if let Some(bar) = &self.bar {
             bar.set_message(self.text(progress, first));
             bar.tick();
         } else if !self.quiet && self.last.elapsed() > INTERVAL {
-            eprintln!("{}", self.text(progress, first));
+            tell(format_args!("{}", self.text(progress, first)));
             self.last = Instant::now();
+        }
+    }
+
+    /// Above the line, which stays the last.
+    fn tell_notes(&self, notes: &[String]) {
+        for note in notes.iter().filter(|_| !self.quiet) {
+            let line = || tell(format_args!("note       {note}"));
+            self.bar.as_ref().map_or_else(line, |bar| bar.suspend(line));
         }
     }
 

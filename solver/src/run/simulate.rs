@@ -1,7 +1,7 @@
 //! `volmap-sim run`.
 
 use super::progress::ProgressLine;
-use super::{baking, set_threads};
+use super::{baking, set_threads, tell};
 use crate::args::RunArguments;
 use crate::signals;
 use anyhow::{Result, bail};
@@ -46,15 +46,15 @@ fn settings(arguments: &RunArguments) -> RunSettings {
 
 fn print_notes(session: &Session) {
     for note in &session.notes {
-        eprintln!("note       {note}");
+        tell(format_args!("note       {note}"));
     }
     let boundary_particles = session.simulation().boundary_particles();
     if boundary_particles > 0 {
-        eprintln!("boundary   {} particles", thousands(boundary_particles as u64));
+        tell(format_args!("boundary   {} particles", thousands(boundary_particles as u64)));
     }
 }
 
-fn print_summary(summary: &RunSummary, folder: &Path) -> io::Result<()> {
+fn print_summary(summary: &RunSummary, folder: &Path) -> Result<()> {
     let mut out = io::stdout().lock();
     writeln!(
         out,
@@ -85,5 +85,6 @@ fn print_summary(summary: &RunSummary, folder: &Path) -> io::Result<()> {
             thousands(summary.brought_back)
         )?;
     }
-    writeln!(out, "folder     {}", folder.display())
+    writeln!(out, "folder     {}", folder.display())?;
+    Ok(())
 }

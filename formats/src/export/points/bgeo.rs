@@ -10,7 +10,8 @@ const FLOAT: i32 = 0;
 const INTEGER: i32 = 1;
 const VECTOR: i32 = 5;
 
-/// Writes particles. Integers are signed in this format: those above 2^31 - 1 become negative.
+/// Writes particles, places in single precision. Integers are signed in this format: those above 2^31 - 1 become
+/// negative.
 ///
 /// # Errors
 /// Lists of different lengths, more than 2^31 - 1 points, or a file that can't be written.
@@ -42,7 +43,7 @@ fn to_bytes(points: &Points) -> Vec<u8> {
         bytes.extend(std::iter::repeat_n(0, 4 * values.components()));
     }
     for point in 0..count {
-        let position = points.positions[point].map(f32::to_bits);
+        let position = points.positions.rounded(point).map(f32::to_bits);
         let coordinates = position.into_iter().chain([1.0f32.to_bits()]);
         let values = points.arrays.iter().flat_map(|(_, values)| values.words(point));
         bytes.extend(coordinates.chain(values).flat_map(u32::to_be_bytes));

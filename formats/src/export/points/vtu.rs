@@ -1,7 +1,7 @@
 //! Particles as VTK's XML UnstructuredGrid (`.vtu`), one vertex cell each; appended data, compressed by zlib in
 //! blocks, as base64: splashsurf reads no raw bytes. *VTK File Formats*, Kitware.
 
-use super::{Points, Values};
+use super::{Points, Positions, Values};
 use crate::export::{ExportError, publish_to};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD as BASE64;
@@ -30,25 +30,30 @@ pub fn write(path: &Path, points: &Points) -> Result<(), ExportError> {
 fn to_bytes(points: &Points) -> std::io::Result<Vec<u8>> {
     let count = points.positions.len();
     let mut file = Parts {
-        header: format!(
-            "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" \
-             header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">\n<UnstructuredGrid>\n\
-             <Piece NumberOfPoints=\"{count}\" NumberOfCells=\"{count}\">\n"
-        ),
+        header: "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" \
+             byte_order=\"LittleEndian\" header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">\n\
+             <UnstructuredGrid>\n"
+            .to_owned(),
         data: String::new(),
     };
+    file.facts(&points.facts)?;
+    _ = writeln!(file.header, "<Piece NumberOfPoints=\"{count}\" NumberOfCells=\"{count}\">");
     file.header += "<PointData>\n";
     for &(name, values) in &points.arrays {
         file.values(name, values)?;
     }
     file.header += "</PointData>\n<Points>\n";
-    file.values("Points", Values::Vector(points.positions))?;
+    let kind = if matches!(points.positions, Positions::F32(_)) { "Float32" } else { "Float64" };
+    let mut places = Vec::with_capacity(count * points.positions.bytes());
+    (0..count).for_each(|point| points.positions.add(point, &mut places));
+    file.array(Array { kind, name: "Points", components: 3, tuples: None }, &places)?;
     file.header += "</Points>\n<Cells>\n";
     let numbers =
         |first: u32| (0..count as u32).flat_map(move |n| (n + first).to_le_bytes()).collect::<Vec<u8>>();
-    file.array("UInt32", "connectivity", 1, &numbers(0))?;
-    file.array("UInt32", "offsets", 1, &numbers(1))?;
-    file.array("UInt8", "types", 1, &vec![VERTEX; count])?;
+    let list = |kind, name| Array { kind, name, components: 1, tuples: None };
+    file.array(list("UInt32", "connectivity"), &numbers(0))?;
+    file.array(list("UInt32", "offsets"), &numbers(1))?;
+    file.array(list("UInt8", "types"), &vec![VERTEX; count])?;
     file.header += "</Cells>\n</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"base64\">\n_";
     let mut bytes = file.header.into_bytes();
     bytes.extend(file.data.into_bytes());
@@ -62,19 +67,45 @@ struct Parts {
     data: String,
 }
 
+/// An array, as its element describes it.
+struct Array<'a> {
+    kind: &'static str,
+    name: &'a str,
+    components: usize,
+    /// Where neither points nor cells tell it.
+    tuples: Option<usize>,
+}
+
 impl Parts {
+    fn facts(&mut self, facts: &[(&str, Vec<f64>)]) -> std::io::Result<()> {
+        if facts.is_empty() {
+            return Ok(());
+        }
+        self.header += "<FieldData>\n";
+        for (name, numbers) in facts {
+            let bytes: Vec<u8> = numbers.iter().flat_map(|x| x.to_le_bytes()).collect();
+            let array = Array { kind: "Float64", name, components: 1, tuples: Some(numbers.len()) };
+            self.array(array, &bytes)?;
+        }
+        self.header += "</FieldData>\n";
+        Ok(())
+    }
+
     fn values(&mut self, name: &str, values: Values) -> std::io::Result<()> {
         let kind = if matches!(values, Values::U32(_)) { "UInt32" } else { "Float32" };
         let words = (0..values.count()).flat_map(|point| values.words(point));
-        self.array(kind, name, values.components(), &words.flat_map(u32::to_le_bytes).collect::<Vec<u8>>())
+        let array = Array { kind, name, components: values.components(), tuples: None };
+        self.array(array, &words.flat_map(u32::to_le_bytes).collect::<Vec<u8>>())
     }
 
-    fn array(&mut self, kind: &str, name: &str, components: usize, bytes: &[u8]) -> std::io::Result<()> {
+    fn array(&mut self, array: Array, bytes: &[u8]) -> std::io::Result<()> {
+        let Array { kind, name, components, tuples } = array;
+        let tuples = tuples.map(|n| format!(" NumberOfTuples=\"{n}\"")).unwrap_or_default();
         let offset = self.data.len();
         _ = writeln!(
             self.header,
-            "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"appended\" \
-             offset=\"{offset}\"/>"
+            "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\"{tuples} \
+             format=\"appended\" offset=\"{offset}\"/>"
         );
         let blocks: Vec<Vec<u8>> = bytes.par_chunks(BLOCK).map(deflate).collect::<std::io::Result<_>>()?;
         // Blocks, bytes of a whole one, bytes of the last one if it isn't whole; then the compressed bytes of each.
@@ -126,7 +157,11 @@ mod tests {
     fn whole_blocks_leave_no_part() {
         let density = vec![1.0f32; 2 * BLOCK / 4];
         let positions = vec![[0.0; 3]; density.len()];
-        let points = Points { positions: &positions, arrays: vec![("density", Values::F32(&density))] };
+        let points = Points {
+            positions: Positions::F32(&positions),
+            arrays: vec![("density", Values::F32(&density))],
+            ..Points::default()
+        };
         let file = String::from_utf8(to_bytes(&points).unwrap()).unwrap();
         assert_eq!(array(&file, "density").0[..3], [2, BLOCK as u64, 0]);
         assert!(to_bytes(&Points::default()).is_ok());

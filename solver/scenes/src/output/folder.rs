@@ -6,7 +6,7 @@ use super::particles::{self, CollectionEntry, ParticleFormat};
 use super::picture::{Painter, PictureSettings, World};
 use super::poses::{self, BodyFile, PoseRow};
 use super::statistics::{RunSummary, StepStatistics, summarise};
-use super::table::Table;
+use super::table::{Kept, Table};
 use super::{Frame, io_error, publish};
 use crate::error::Error;
 use serde::{Deserialize, Serialize};
@@ -27,6 +27,8 @@ pub struct FolderSettings {
     pub animate: bool,
     /// Speed and size of the animation.
     pub animation: AnimationSettings,
+    /// Whether steps get rows.
+    pub statistics: bool,
 }
 
 impl Default for FolderSettings {
@@ -37,6 +39,7 @@ impl Default for FolderSettings {
             picture: PictureSettings::default(),
             animate: true,
             animation: AnimationSettings::default(),
+            statistics: true,
         }
     }
 }
@@ -64,7 +67,11 @@ pub struct Output {
     poses: Table<PoseRow>,
     /// All frames so far.
     written: Vec<FrameRow>,
+    /// Number of the next frame.
+    next: u64,
     bodies: Vec<BodyFile>,
+    /// What tables of a run that resumes had lost.
+    pub notes: Vec<String>,
 }
 
 /// Where a run resumes.
@@ -76,6 +83,9 @@ pub struct Start {
     pub frames: u64,
 }
 
+const STEPS: &str = "stats.csv";
+const FRAMES: &str = "frames.csv";
+const POSES: &str = "poses.csv";
 const PARTICLES: &str = "particles";
 const PICTURES: &str = "pictures";
 const BODIES: &str = "bodies";
@@ -93,32 +103,35 @@ impl Output {
         bodies: &[BodyMesh],
         start: Option<Start>,
     ) -> Result<Output, Error> {
-        let needed = [
-            ("", true),
-            (PARTICLES, !settings.particles.is_empty()),
-            (PICTURES, settings.pictures),
-            (BODIES, !bodies.is_empty()),
-        ];
-        for (name, _) in needed.into_iter().filter(|(_, needed)| *needed) {
-            let folder = folder.join(name);
-            std::fs::create_dir_all(&folder).map_err(io_error(&folder))?;
-            // A run that was killed may have left incomplete files.
-            clear_leftovers(&folder).map_err(io_error(&folder))?;
-        }
+        make_folders(folder, settings, !bodies.is_empty())?;
         let mut files = Vec::new();
         for (number, body) in bodies.iter().enumerate() {
             let file = write_mesh(&folder.join(BODIES), number, body)?;
             files.push(BodyFile { name: body.name.clone(), mesh: format!("{BODIES}/{file}") });
         }
         // Frames count from 0: the last one kept is one less than their number.
-        let (step, frame) = (start.map(|s| s.step), start.map(|s| s.frames.checked_sub(1)));
-        let frames = open_table::<FrameRow>(&folder.join("frames.csv"), frame)?;
+        let last_frame = start.map(|start| start.frames.checked_sub(1));
+        let steps_kept = start.map(|start| Some(Kept { first: 1, last: start.step, several: false }));
+        let frames_kept = |several| last_frame.map(|last| last.map(|last| Kept { first: 0, last, several }));
+        let steps = open_table::<StepStatistics>(&folder.join(STEPS), steps_kept)?;
+        let frames = open_table::<FrameRow>(&folder.join(FRAMES), frames_kept(false))?;
+        let poses = open_table::<PoseRow>(&folder.join(POSES), frames_kept(true))?;
+        let mut repairs = [
+            (STEPS, "step", steps.repair().clone(), settings.statistics),
+            (FRAMES, "frame", frames.repair().clone(), true),
+            (POSES, "frame", poses.repair().clone(), !bodies.is_empty()),
+        ];
+        for (_, _, repair, _) in repairs.iter_mut().filter(|(.., is_complete)| !is_complete) {
+            repair.gaps.clear();
+        }
         Ok(Output {
             painter: settings.pictures.then(|| Painter::new(&settings.picture, world)),
-            steps: open_table(&folder.join("stats.csv"), step.map(Some))?,
-            poses: open_table(&folder.join("poses.csv"), frame)?,
             written: frames.rows()?,
+            next: start.map_or(0, |start| start.frames),
+            notes: repairs.iter().filter_map(|(file, what, repair, _)| repair.note(file, what)).collect(),
+            steps,
             frames,
+            poses,
             folder: folder.to_owned(),
             settings: settings.clone(),
             bodies: files,
@@ -127,7 +140,7 @@ impl Output {
 
     /// Frames written so far.
     pub fn frames(&self) -> u64 {
-        self.written.last().map_or(0, |row| row.frame + 1)
+        self.next
     }
 
     /// Writes a frame.
@@ -147,6 +160,7 @@ impl Output {
         let row = FrameRow { frame: number, step: frame.step, time: frame.time, particles };
         self.frames.append(std::slice::from_ref(&row))?;
         self.written.push(row);
+        self.next = number + 1;
         if self.settings.particles.contains(&ParticleFormat::Vtu) {
             let file = |row: &FrameRow| CollectionEntry {
                 time: row.time,
@@ -158,12 +172,12 @@ impl Output {
         Ok(())
     }
 
-    /// Writes a step's row.
+    /// Writes a step's row, if steps have rows.
     ///
     /// # Errors
     /// A file that can't be written.
     pub fn step(&mut self, step: &StepStatistics) -> Result<(), Error> {
-        self.steps.append(std::slice::from_ref(step))
+        if self.settings.statistics { self.steps.append(std::slice::from_ref(step)) } else { Ok(()) }
     }
 
     /// Writes the summary of the run so far: `stats.json`, `poses.json` and the animation.
@@ -208,13 +222,30 @@ fn is_frame(stem: &OsStr) -> bool {
     stem.to_str().and_then(|stem| stem.strip_prefix("frame_")).is_some_and(|n| n.parse::<u64>().is_ok())
 }
 
-/// `None`: a new table; `Some(None)`: one without rows; `Some(Some(last))`: rows up to the last.
+/// The folders that a run writes into.
+fn make_folders(folder: &Path, settings: &FolderSettings, has_bodies: bool) -> Result<(), Error> {
+    let needed = [
+        ("", true),
+        (PARTICLES, !settings.particles.is_empty()),
+        (PICTURES, settings.pictures),
+        (BODIES, has_bodies),
+    ];
+    for (name, _) in needed.into_iter().filter(|(_, needed)| *needed) {
+        let folder = folder.join(name);
+        std::fs::create_dir_all(&folder).map_err(io_error(&folder))?;
+        // A run that was killed may have left incomplete files.
+        clear_leftovers(&folder).map_err(io_error(&folder))?;
+    }
+    Ok(())
+}
+
+/// `None`: a new table; `Some(None)`: one without rows; `Some(Some(kept))`: these rows.
 fn open_table<Row: Default + Serialize + serde::de::DeserializeOwned>(
     path: &Path,
-    last: Option<Option<u64>>,
+    kept: Option<Option<Kept>>,
 ) -> Result<Table<Row>, Error> {
-    match last {
-        Some(Some(last)) => Table::resume(path, &Row::default(), last),
+    match kept {
+        Some(Some(kept)) => Table::resume(path, &Row::default(), kept),
         Some(None) | None => Table::create(path, &Row::default()),
     }
 }

@@ -12,11 +12,18 @@ pub struct Frame<'a> {
     pub step: u64,
     /// Particle radius, metres.
     pub particle_radius: f64,
+    /// Mass of a particle, kg.
+    pub particle_mass: f64,
+    /// Rest density of the fluid, kg/m^3.
+    pub rest_density: f64,
+    /// A point near the fluid, metres, if all lies so far from the origin that single precision is too coarse for
+    /// places; see [`particles::write`](super::particles::write).
+    pub origin: Option<DVec3>,
     /// Places, metres.
     pub positions: &'a [DVec3],
     /// Velocities, m/s.
     pub velocities: &'a [[f32; 3]],
-    /// Density in parts of the rest density.
+    /// Density in parts of the rest density. Files have kg/m^3.
     pub density: &'a [f32],
     /// Pressure, Pa.
     pub pressure: &'a [f32],

@@ -6,7 +6,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt::Write;
 use std::path::Path;
-use volmap_formats::export::points::{Points, Values, write_bgeo, write_ply, write_vtu};
+use volmap_formats::export::points::{Points, Positions, Values, write_bgeo, write_ply, write_vtu};
+use volmap_runtime::DVec3;
 
 /// What particles are written as.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -31,26 +32,68 @@ impl ParticleFormat {
     }
 }
 
-/// Writes the particles, positions in single precision.
+/// Writes the particles: places (m), `velocity` (m/s), `density` (kg/m^3), `pressure` (Pa), `id`, and what forces have
+/// them carry. VTU has `radius` (m) and `mass` (kg) of each as well. VTU, as field data, and PLY, as comments, tell the
+/// time (`TimeValue`, s) and what all particles share, with units in the names.
+///
+/// Places are in single precision. Those of a frame with an [`origin`](Frame::origin) are in double precision in VTU;
+/// in PLY and BGEO, whose readers have single precision, they are relative to the origin, which each particle has as
+/// `origin`.
 ///
 /// # Errors
 /// Lists of different lengths, or a file that can't be written.
 pub fn write(path: &Path, format: ParticleFormat, frame: &Frame) -> Result<(), Error> {
-    let positions: Vec<[f32; 3]> = frame.positions.iter().map(|p| p.as_vec3().to_array()).collect();
+    let origin = frame.origin.unwrap_or(DVec3::ZERO);
+    let exact: Vec<[f64; 3]>;
+    let rounded: Vec<[f32; 3]>;
+    let positions = if frame.origin.is_some() && format == ParticleFormat::Vtu {
+        exact = frame.positions.iter().map(|place| place.to_array()).collect();
+        Positions::F64(&exact)
+    } else {
+        rounded = frame.positions.iter().map(|place| (*place - origin).as_vec3().to_array()).collect();
+        Positions::F32(&rounded)
+    };
+    let density: Vec<f32> = frame.density.iter().map(|part| part * frame.rest_density as f32).collect();
     let mut arrays = vec![
         ("velocity", Values::Vector(frame.velocities)),
-        ("density", Values::F32(frame.density)),
+        ("density", Values::F32(&density)),
         ("pressure", Values::F32(frame.pressure)),
         ("id", Values::U32(frame.ids)),
     ];
     arrays.extend(frame.channels);
-    let points = Points { positions: &positions, arrays };
+    let same =
+        [frame.particle_radius, frame.particle_mass].map(|value| vec![value as f32; frame.positions.len()]);
+    let origins: Vec<[f32; 3]>;
+    match format {
+        // Equal numbers shrink to nothing there.
+        ParticleFormat::Vtu => {
+            arrays.extend([("radius", Values::F32(&same[0])), ("mass", Values::F32(&same[1]))]);
+        }
+        ParticleFormat::Ply | ParticleFormat::Bgeo if frame.origin.is_some() => {
+            origins = vec![origin.as_vec3().to_array(); frame.positions.len()];
+            arrays.push(("origin", Values::Vector(&origins)));
+        }
+        ParticleFormat::Ply | ParticleFormat::Bgeo => {}
+    }
+    let points = Points { positions, arrays, facts: facts(frame) };
     let written = match format {
         ParticleFormat::Vtu => write_vtu(path, &points),
         ParticleFormat::Ply => write_ply(path, &points),
         ParticleFormat::Bgeo => write_bgeo(path, &points),
     };
     Ok(written?)
+}
+
+/// What all particles share.
+fn facts(frame: &Frame) -> Vec<(&'static str, Vec<f64>)> {
+    let mut facts = vec![
+        ("TimeValue", vec![frame.time]),
+        ("particle_radius [m]", vec![frame.particle_radius]),
+        ("particle_mass [kg]", vec![frame.particle_mass]),
+        ("rest_density [kg/m^3]", vec![frame.rest_density]),
+    ];
+    facts.extend(frame.origin.map(|origin| ("origin [m]", origin.to_array().to_vec())));
+    facts
 }
 
 /// A frame in ParaView's collection.

@@ -30,7 +30,7 @@ use volmap_figures::picture::ColourMap;
 use volmap_figures::picture::canvas::Canvas;
 use volmap_figures::raster::{self, BAND, Bands, Fragment, Sides, Triangle, View};
 use volmap_formats::text::thousands;
-use volmap_runtime::Pose;
+use volmap_runtime::{DVec3, Pose};
 
 /// How frames are drawn.
 #[derive(Clone, Debug, PartialEq)]
@@ -93,8 +93,17 @@ pub struct Prop {
     pub colour: Option<[u8; 3]>,
 }
 
+impl Prop {
+    /// From its model's places to those of pictures, of its pose in the world.
+    fn local(&self, pose: Pose, origin: DVec3) -> Pose {
+        Pose { rotation: pose.rotation, translation: pose.to_world(self.model.origin) - origin }
+    }
+}
+
 /// What is the same in all frames.
 pub struct World {
+    /// What places in pictures, the bounds too, are relative to, metres: where all lies far from zero, a point near it.
+    pub origin: DVec3,
     /// All that may be seen: the fluid at the start, containers, bodies.
     pub bounds: Bounds,
     /// Acceleration, m/s^2.
@@ -143,9 +152,14 @@ impl Painter {
         settings.width = settings.width.clamp(64, 8192);
         settings.height = settings.height.clamp(64, 8192);
         for prop in &world.props {
+            let pose = prop.local(prop.pose, world.origin);
             for vertex in &prop.model.vertices {
-                world.bounds.add(prop.pose.to_world(vertex.as_dvec3()).as_vec3());
+                world.bounds.add(pose.to_world(vertex.as_dvec3()).as_vec3());
             }
+        }
+        for place in settings.camera.iter_mut().flat_map(|camera| [&mut camera.position, &mut camera.target])
+        {
+            *place = (DVec3::from(*place) - world.origin).to_array();
         }
         world.bounds = world.bounds.or_unit();
         let up = (-world.gravity).try_normalize().unwrap_or(Vec3::Y);
@@ -165,6 +179,13 @@ impl Painter {
 
     /// The frame as a PNG file.
     pub fn draw(&mut self, frame: &Frame) -> Vec<u8> {
+        let near: Vec<DVec3>;
+        let mut frame = *frame;
+        if self.world.origin != DVec3::ZERO {
+            near = frame.positions.iter().map(|place| *place - self.world.origin).collect();
+            frame.positions = &near;
+        }
+        let frame = &frame;
         let poses = self.poses(frame);
         self.rasterize(frame, &poses);
         let radius = self.ball_radius(frame);
@@ -187,10 +208,11 @@ impl Painter {
         factor * frame.particle_radius as f32
     }
 
-    /// Where the props are.
+    /// Where the props' models are.
     fn poses(&self, frame: &Frame) -> Vec<Pose> {
         let pose = |prop: &Prop| {
-            frame.bodies.iter().find(|body| body.name == prop.name).map_or(prop.pose, |body| body.pose)
+            let body = frame.bodies.iter().find(|body| body.name == prop.name);
+            prop.local(body.map_or(prop.pose, |body| body.pose), self.world.origin)
         };
         self.world.props.iter().map(pose).collect()
     }

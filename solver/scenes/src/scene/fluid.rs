@@ -8,6 +8,7 @@ use std::path::PathBuf;
 use volmap_bake::parameters::Parameters;
 use volmap_documents::{At, Checked};
 use volmap_fluid::lattice::{self, MAX_PARTICLES};
+use volmap_formats::text::{number, thousands};
 use volmap_runtime::Pose;
 
 /// A box of particles on a cubic lattice of spacing 2 rp; the first lie rp from the faces of `min`. What is
@@ -119,7 +120,9 @@ impl Block {
         at.require("max", total >= 1.0, || format!("the box is thinner than a particle, {spacing} m"))?;
         at.require("max", total <= MAX_PARTICLES as f64, || {
             format!(
-                "the box holds {total:.3e} particles, more than {MAX_PARTICLES}; check it and particle_radius"
+                "the box holds {} particles, more than {}; check it and particle_radius",
+                number(total),
+                thousands(MAX_PARTICLES)
             )
         })
     }
@@ -160,7 +163,7 @@ impl EmitterSettings {
             })?;
         }
         at.require("max_particles", self.max_particles <= MAX_PARTICLES, || {
-            format!("is more than {MAX_PARTICLES}")
+            format!("is more than {}", thousands(MAX_PARTICLES))
         })?;
         let nozzle = at.key("nozzle");
         let across = |at: &At, name, length: f64| {

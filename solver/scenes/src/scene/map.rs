@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use volmap_bake::bake::bake;
 use volmap_bake::content_key;
-use volmap_bake::input::Input;
+use volmap_bake::input::{self, Input};
 use volmap_bake::mesh::prepare;
 use volmap_bake::parameters::{DensityKernel, Group, Parameters};
 use volmap_bake::plan::GridChoice;
@@ -16,8 +16,9 @@ use volmap_bake::sdf::{MeshDistance, SignMethod};
 use volmap_bake::watch::Watch;
 use volmap_fluid::boundary::density_map;
 use volmap_fluid::settings::{BoundaryMethod, World};
-use volmap_formats::asset::{self, Exterior};
+use volmap_formats::asset::{self, Asset, Exterior, Value};
 use volmap_formats::mesh::TriangleMesh;
+use volmap_formats::text::printable_line;
 use volmap_runtime::{ClosureKind, Dimension, KernelKind, VolumeMap};
 
 /// Part by which a map's support radius may differ from the scene's: other programs store it in single
@@ -77,6 +78,17 @@ pub fn default_cache() -> PathBuf {
         || Some(folder("HOME")?.join(if cfg!(target_os = "macos") { "Library/Caches" } else { ".cache" }));
     let found = folder("XDG_CACHE_HOME").or_else(|| folder("LOCALAPPDATA")).or_else(home);
     found.unwrap_or_else(std::env::temp_dir).join("volmap")
+}
+
+/// A mesh as a bake would take it: scaled, triangles the right way round.
+///
+/// # Errors
+/// A file that can't be used.
+pub fn read_mesh(path: &Path, given: &Parameters) -> Result<TriangleMesh, Error> {
+    let recipe = given.recipe();
+    let mut input = input::load(path, &recipe.input)?;
+    volmap_bake::mesh::prepare(&mut input.mesh, recipe.bake.keep_orientation);
+    Ok(input.mesh)
 }
 
 impl<'a> Library<'a> {
@@ -139,7 +151,7 @@ impl<'a> Library<'a> {
             return Ok(shape.clone());
         }
         let shape = match source {
-            Source::Map(path) => open_asset(path)?,
+            Source::Map(path) => self.open_asset(path)?,
             Source::Mesh(path, settings) => self.bake_or_open(path, settings, density)?,
         };
         self.shapes.push((identity, shape.clone()));
@@ -242,9 +254,13 @@ impl<'a> Library<'a> {
         let key = identity.key;
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
         let cached = self.cache.join(format!("{stem}-{}.h5", &key[..24]));
-        let opened = cached.is_file().then(|| VolumeMap::open(&cached).ok()).flatten();
+        let opened = cached.is_file().then(|| asset::read(&cached).ok()).flatten();
+        let opened = opened.and_then(|asset| Some((VolumeMap::from_asset(&asset).ok()?, asset)));
         let (map, origin) = match opened {
-            Some(map) => (map, Origin::Cache),
+            Some((map, asset)) => {
+                self.note_warnings(path, &asset);
+                (map, Origin::Cache)
+            }
             None => (self.baked(path, &cached, input.clone(), &recipe)?, Origin::Baked),
         };
         let prepared = prepare(&mut input.mesh, recipe.bake.keep_orientation);
@@ -266,8 +282,7 @@ impl<'a> Library<'a> {
         self.watch.check()?;
         (self.on_bake)(path);
         let baked = bake(input, &recipe.bake, self.watch).map_err(|error| cannot_bake(path, error))?;
-        let notes = baked.summary.warnings.iter().map(|warning| format!("{}: {warning}", path.display()));
-        self.notes.extend(notes);
+        self.note_warnings(path, &baked.asset);
         let kept = std::fs::create_dir_all(&self.cache).map_err(|error| error.to_string());
         let kept = kept.and_then(|()| {
             asset::write(cached, &baked.asset, recipe.compression).map_err(|error| error.to_string())
@@ -276,6 +291,28 @@ impl<'a> Library<'a> {
             self.notes.push(format!("{}: the map is not kept in the cache: {error}", path.display()));
         }
         Ok(VolumeMap::from_asset(&baked.asset)?)
+    }
+
+    fn open_asset(&mut self, path: &Path) -> Result<Shape, Error> {
+        let bytes = std::fs::read(path).map_err(io_error(path))?;
+        let content = *blake3::hash(&bytes).as_bytes();
+        let in_file = |error| volmap_runtime::Error::InFile { path: path.to_owned(), error: Box::new(error) };
+        let asset = asset::from_bytes(bytes).map_err(|error| in_file(error.into()))?;
+        let map = VolumeMap::from_asset(&asset).map_err(in_file)?;
+        if map.dimension() == Dimension::Two {
+            let reason = "it is a map in two dimensions, and scenes are in three; name a mesh instead";
+            return Err(Error::Scene { place: path.display().to_string(), reason: reason.into() });
+        }
+        self.note_warnings(path, &asset);
+        Ok(Shape { map: Arc::new(map), mesh: None, surface: None, origin: Origin::Asset, content })
+    }
+
+    /// What the bake said of the mesh, which stands in the asset: told each time, not only when it was baked.
+    fn note_warnings(&mut self, path: &Path, asset: &Asset) {
+        let Some(Value::Text(warnings)) = asset.diagnosis.get("warnings") else { return };
+        let notes =
+            warnings.lines().map(|warning| format!("{}: {}", path.display(), printable_line(warning)));
+        self.notes.extend(notes);
     }
 
     /// What is given, and what the scene decides: the support radius, the density, and the cells if they are left open.
@@ -317,16 +354,4 @@ fn cannot_bake(path: &Path, error: volmap_bake::Error) -> Error {
         other => return Error::Bake(other),
     };
     Error::Scene { place: path.display().to_string(), reason: format!("can't be baked: {reason}") }
-}
-
-fn open_asset(path: &Path) -> Result<Shape, Error> {
-    let bytes = std::fs::read(path).map_err(io_error(path))?;
-    let content = *blake3::hash(&bytes).as_bytes();
-    let in_file = |error| volmap_runtime::Error::InFile { path: path.to_owned(), error: Box::new(error) };
-    let map = VolumeMap::from_bytes(bytes).map_err(in_file)?;
-    if map.dimension() == Dimension::Two {
-        let reason = "it is a map in two dimensions, and scenes are in three; name a mesh instead";
-        return Err(Error::Scene { place: path.display().to_string(), reason: reason.into() });
-    }
-    Ok(Shape { map: Arc::new(map), mesh: None, surface: None, origin: Origin::Asset, content })
 }

@@ -10,7 +10,7 @@ use volmap_documents::{At, Checked};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct OutputSettings {
-    /// Frames per simulated second; 0: none.
+    /// Frames per simulated second; 0: none. Steps are shortened so that frame k is at k times the interval.
     pub frames_per_second: f64,
     /// Files of the particles in every frame.
     pub formats: Vec<ParticleFormat>,

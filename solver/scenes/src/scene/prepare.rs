@@ -2,6 +2,7 @@
 
 use super::Scene;
 use super::body::{self, Body, Source};
+use super::fluid::EmitterSettings;
 use super::map::{Library, Origin, Shape, default_cache};
 use super::nozzle;
 use super::overlap::{BODY_MARGIN, drop_in_bodies};
@@ -16,6 +17,7 @@ use volmap_fluid::boundary::particles;
 use volmap_fluid::emitter::Emitter;
 use volmap_fluid::settings::BoundaryMethod;
 use volmap_formats::mesh::TriangleMesh;
+use volmap_formats::text::thousands;
 use volmap_runtime::{Pose, PosedMap, VolumeMap};
 
 /// What a simulation starts with.
@@ -86,7 +88,7 @@ pub fn prepare(scene: &Scene, watch: &Watch, on_bake: &mut dyn FnMut(&Path)) -> 
     let particles = sources::fill(scene, &solids, &posed)?;
     let emitter = |settings| nozzle::emitter(settings, scene.particle_radius);
     let emitters: Vec<Emitter> = scene.emitters.iter().map(emitter).collect();
-    check_not_empty(scene, &particles)?;
+    check_not_empty(scene, &particles, &emitters, &bodies)?;
     notes.extend(particles.counts.iter().filter_map(left_out));
     notes.extend(emitters.iter().enumerate().filter_map(|(i, emitter)| blocked(i, emitter, &posed, scene)));
     Ok(Prepared { bodies, particles, emitters, files, notes })
@@ -150,29 +152,71 @@ fn given<'a>(source: Option<Source<'a>>, key: &str) -> Result<Source<'a>, Error>
     source.ok_or_else(|| Error::Scene { place: key.to_owned(), reason: reason.into() })
 }
 
-fn check_not_empty(scene: &Scene, particles: &PlacedParticles) -> Result<(), Error> {
-    if !particles.positions.is_empty() || !scene.emitters.is_empty() {
+/// Refuses a scene that can't have fluid at any time, and says why.
+fn check_not_empty(
+    scene: &Scene,
+    particles: &PlacedParticles,
+    emitters: &[Emitter],
+    bodies: &[PreparedBody],
+) -> Result<(), Error> {
+    if !particles.positions.is_empty() {
         return Ok(());
     }
-    let left_out: u64 = particles.counts.iter().map(|count| count.in_bodies + count.outside).sum();
-    let (place, reason) = match left_out {
-        0 if particles.counts.is_empty() => {
-            ("blocks", "there is no fluid: add [[blocks]], [[fills]] or [[emitters]]".to_owned())
+    let mut reasons: Vec<(String, String)> = Vec::new();
+    for (i, (emitter, settings)) in emitters.iter().zip(&scene.emitters).enumerate() {
+        match dry(emitter, settings, bodies, scene) {
+            Some(reason) => reasons.push((format!("emitters[{i}]"), reason)),
+            None => return Ok(()),
         }
-        0 => (
-            "fills",
-            "no particle fits into any of them, so there is no fluid; check scale and particle_radius"
-                .to_owned(),
-        ),
-        lost => (
-            "blocks",
-            format!(
-                "all {lost} particles lie in a body or outside the domain, so there is no fluid; move them, or set \
-                 bake.invert = true for a body that is a container"
-            ),
-        ),
+    }
+    reasons.extend(nothing_placed(scene, particles));
+    let mut texts = reasons.into_iter();
+    let (place, first) = texts.next().unwrap_or_else(|| {
+        ("blocks".to_owned(), "there is no fluid: add [[blocks]], [[fills]] or [[emitters]]".to_owned())
+    });
+    let others = texts.map(|(place, reason)| format!("; {place}: {reason}"));
+    Err(Error::Scene { place, reason: first + &others.collect::<String>() })
+}
+
+/// Why blocks and fills give no particle, if there are any.
+fn nothing_placed(scene: &Scene, particles: &PlacedParticles) -> Option<(String, String)> {
+    let place = if scene.blocks.is_empty() { "fills" } else { "blocks" };
+    let sum = |of: fn(&SourceCount) -> u64| -> u64 { particles.counts.iter().map(of).sum() };
+    let (in_bodies, outside) = (sum(|count| count.in_bodies), sum(|count| count.outside));
+    let (all, so) = (thousands(in_bodies + outside), "so there is no fluid");
+    let invert = "set bake.invert = true for a body that is a container";
+    let reason = match (in_bodies, outside) {
+        _ if particles.counts.is_empty() => return None,
+        (0, 0) => format!("no particle fits into any of them, {so}; check scale and particle_radius"),
+        (_, 0) => format!("all {all} particles lie in a body, {so}; {invert}, or move them"),
+        (0, _) => format!("all {all} particles lie outside the domain, {so}; move them, or widen `domain`"),
+        _ => format!("all {all} particles lie in a body or outside the domain, {so}; move them, or {invert}"),
     };
-    Err(Error::Scene { place: place.into(), reason })
+    Some((place.to_owned(), reason))
+}
+
+/// Why an emitter never gives fluid, if it doesn't.
+fn dry(
+    emitter: &Emitter,
+    settings: &EmitterSettings,
+    bodies: &[PreparedBody],
+    scene: &Scene,
+) -> Option<String> {
+    let count = emitter.layer().len() as u64;
+    if count > settings.max_particles {
+        let most = thousands(settings.max_particles);
+        return Some(format!("a layer has {} particles, more than max_particles, {most}", thousands(count)));
+    }
+    let margin = BODY_MARGIN * scene.particle_radius;
+    let in_body = |body: &&PreparedBody| {
+        drop_in_bodies(&mut emitter.layer().to_vec(), &[body.posed()], margin) == count
+    };
+    let body = bodies.iter().find(in_body)?;
+    Some(format!(
+        "its nozzle lies in body `{}`, so no fluid comes out; set bake.invert = true if that is a container, or move \
+         the nozzle",
+        body.name
+    ))
 }
 
 fn left_out(count: &SourceCount) -> Option<String> {
@@ -181,9 +225,17 @@ fn left_out(count: &SourceCount) -> Option<String> {
         (count.duplicates, "on top of particles of an earlier source"),
         (count.outside, "outside the domain"),
     ];
-    let parts: Vec<String> =
-        reasons.iter().filter(|(n, _)| *n > 0).map(|(n, reason)| format!("{n} {reason}")).collect();
-    (!parts.is_empty()).then(|| format!("{}: particles left out: {}", count.key, parts.join(", ")))
+    let parts: Vec<String> = reasons
+        .iter()
+        .filter(|(n, _)| *n > 0)
+        .map(|(n, reason)| format!("{} {reason}", thousands(*n)))
+        .collect();
+    let none = match count.particles {
+        0 if count.in_bodies > 0 => "; none is left: if the body is a container, set its bake.invert = true",
+        0 => "; none is left",
+        _ => "",
+    };
+    (!parts.is_empty()).then(|| format!("{}: particles left out: {}{none}", count.key, parts.join(", ")))
 }
 
 fn blocked(index: usize, emitter: &Emitter, bodies: &[PosedMap], scene: &Scene) -> Option<String> {

@@ -9,6 +9,7 @@ use serde::Serialize;
 use volmap_bake::sdf::MeshDistance;
 use volmap_fluid::lattice::{self, MAX_PARTICLES};
 use volmap_formats::asset::Exterior;
+use volmap_formats::text::{number, thousands};
 use volmap_runtime::{PosedMap, Values};
 
 /// Error of a map's distance that is allowed for where there is no mesh, in rp.
@@ -108,7 +109,11 @@ fn check_total(sources: &[Source]) -> Result<(), Error> {
     match sources.last() {
         Some(Source { key, .. }) if total as u64 > MAX_PARTICLES => Err(Error::Scene {
             place: key.clone(),
-            reason: format!("with this source there are {total} particles, more than {MAX_PARTICLES}"),
+            reason: format!(
+                "with this source there are {} particles, more than {}",
+                thousands(total as u64),
+                thousands(MAX_PARTICLES)
+            ),
         }),
         _ => Ok(()),
     }
@@ -128,7 +133,9 @@ fn fill_solid(fill: &Fill, solid: &Solid, rp: f64) -> Result<Vec<DVec3>, String>
     let total = 8.0 * cells.element_product();
     if total > MAX_PARTICLES as f64 {
         return Err(format!(
-            "its box holds {total:.1e} particles, more than {MAX_PARTICLES}; check its scale"
+            "its box holds {} particles, more than {}; check its scale",
+            number(total),
+            thousands(MAX_PARTICLES)
         ));
     }
     let middle = body.pose.to_world(0.5 * (low + high));

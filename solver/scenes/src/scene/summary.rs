@@ -1,31 +1,36 @@
 //! The contents of a scene, for people and as JSON.
 
-use super::body::{self, Motion};
-use super::map::Origin;
+use super::body::{self, Body, Motion};
+use super::map::{Origin, read_mesh};
 use super::nozzle;
-use super::prepare::{Prepared, prepare};
+use super::prepare::PreparedBody;
 use super::sources::SourceCount;
 use super::{Scene, load};
 use crate::error::Error;
 use serde::Serialize;
 use std::fmt::{self, Display, Formatter};
 use std::path::Path;
-use volmap_bake::watch::Watch;
+use volmap_fluid::bodies::Mass;
+use volmap_fluid::emitter::Emitter;
 use volmap_fluid::lattice;
 use volmap_fluid::settings::BoundaryMethod;
-use volmap_formats::text::{bytes, thousands};
+use volmap_formats::mesh::TriangleMesh;
+use volmap_formats::text::{bytes, duration, number, significant, thousands};
 
-/// Peak memory of a run per particle, measured at 1 to 3 million particles (640 to 720: solver/BENCHMARKS.md). Each run
-/// takes some 30 MB more.
+/// Peak memory of a run per particle, measured at 60 thousand to 3 million particles (600 to 720:
+/// solver/BENCHMARKS.md), and of the program itself.
 const BYTES_PER_PARTICLE: u64 = 700;
-/// Seconds per particle and step, measured at 60 thousand to 3 million particles (0.75 to 1.25e-6:
-/// solver/BENCHMARKS.md) with [`ITERATIONS`] on two threads of one core of an AMD EPYC (Zen 3). Other scenes and
-/// machines are up to several times faster or slower.
-const SECONDS_PER_PARTICLE: f64 = 1e-6;
+const BYTES_OF_PROGRAM: u64 = 30_000_000;
+/// Seconds per particle and step, measured at 60 thousand to 3 million particles (0.23 to 0.28e-6:
+/// solver/BENCHMARKS.md) with [`ITERATIONS`] on two threads of an AMD EPYC (Zen 5). Other scenes and machines are up to
+/// several times faster or slower.
+const SECONDS_PER_PARTICLE: f64 = 0.25e-6;
 /// Iterations of both solves together that `SECONDS_PER_PARTICLE` is for.
 const ITERATIONS: u32 = 8;
 /// In place of a number of particles.
 const UNKNOWN: &str = "particle count known after the map is baked";
+
+const FREE: &str = "free";
 
 /// The contents of a scene.
 #[derive(Clone, Debug, Serialize)]
@@ -44,11 +49,16 @@ pub struct SceneSummary {
     pub sources: Vec<SourceFacts>,
     /// Bodies.
     pub bodies: Vec<BodyFacts>,
-    /// Estimate of the run's peak memory with the particles of the start, bytes; without maps that aren't opened.
+    /// Particles that emitters add until the end, if none blocks.
+    pub emitted: u64,
+    /// Whether those in bodies and outside the domain are left out of `particles`; `info` doesn't know them.
+    pub are_placed: bool,
+    /// Estimate of the run's peak memory with all particles, bytes; without maps that aren't opened.
     pub memory: u64,
-    /// Estimate of a step with the particles of the start and 8 iterations, on the two threads of one core that it was
-    /// measured on, seconds.
+    /// Estimate of a step with all particles and 8 iterations, on the two threads that it was measured on, seconds.
     pub step_seconds: f64,
+    /// Steps until the end, if all are as long as they may be, or as frames are apart. Fast fluid needs more.
+    pub least_steps: u64,
     /// Simulated seconds.
     pub end: f64,
     /// What the user should look at.
@@ -84,8 +94,50 @@ pub struct BodyFacts {
     pub motion: &'static str,
     /// Boundary particles on its surface, if the method has them and the mesh was read.
     pub boundary_particles: Option<u64>,
+    /// Mass of a free body, if it is known.
+    pub mass: Option<MassFacts>,
     /// Its map, if it was opened.
     pub map: Option<MapFacts>,
+}
+
+/// How heavy a free body is, and why.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MassFacts {
+    /// kg.
+    pub mass: f64,
+    /// Of the solid, m^3.
+    pub volume: f64,
+    /// Mean, kg/m^3.
+    pub density: f64,
+    /// What the scene gives: `mass` or `density`.
+    pub given: &'static str,
+    /// What the volume is that of: `mesh` or `map`.
+    pub volume_of: &'static str,
+}
+
+impl MassFacts {
+    /// None of a body that isn't free. `mesh` is that of the body, if it has one.
+    fn new(body: &Body, mass: &Mass, mesh: Option<&TriangleMesh>) -> Option<MassFacts> {
+        let Motion::Free(free) = &body.motion else { return None };
+        // An open mesh has no volume; then the map's is taken.
+        let closed = mesh.is_some_and(|mesh| Mass::of_mesh(mesh, 1.0).is_some());
+        Some(MassFacts {
+            mass: mass.mass,
+            volume: mass.volume,
+            density: mass.mass / mass.volume,
+            given: if free.mass.is_some() { "mass" } else { "density" },
+            volume_of: if closed { "mesh" } else { "map" },
+        })
+    }
+}
+
+/// The mass of a free body, as far as its mesh tells it.
+fn mass_of_mesh(body: &Body) -> Option<MassFacts> {
+    let Motion::Free(free) = &body.motion else { return None };
+    let mesh = read_mesh(body.mesh.as_deref()?, &body.bake).ok()?;
+    let mass = Mass::of_mesh(&mesh, free.density.unwrap_or(1.0))?;
+    let mass = free.mass.map_or(mass, |given| mass.with_mass(given));
+    MassFacts::new(body, &mass, Some(&mesh))
 }
 
 /// A map, briefly.
@@ -114,32 +166,33 @@ pub fn info(path: &Path) -> Result<SceneSummary, Error> {
         let file = fill.source().map(|source| source.path().display().to_string()).unwrap_or_default();
         out.sources.push(SourceFacts::new(None, format!("fills[{i}], {file}")));
     }
+    for (facts, body) in out.bodies.iter_mut().zip(&scene.bodies) {
+        facts.mass = mass_of_mesh(body);
+    }
     let counts: Vec<u64> = out.sources.iter().filter_map(|source| source.particles).collect();
     out.particles = scene.fills.is_empty().then(|| counts.iter().sum());
+    out.are_placed = scene.bodies.is_empty() && scene.domain.is_none();
     out.add_emitters(&scene);
-    out.estimate(counts.iter().sum());
+    out.estimate(&scene, counts.iter().sum());
     Ok(out)
 }
 
-/// Reads a scene, opens or bakes its maps and places its particles. What a run would refuse is an error here.
-///
-/// # Errors
-/// As [`load`] and [`prepare()`].
-pub fn check(path: &Path, watch: &Watch, on_bake: &mut dyn FnMut(&Path)) -> Result<SceneSummary, Error> {
-    let scene = load(path)?;
-    let prepared = prepare(&scene, watch, on_bake)?;
-    Ok(summarize(&scene, &prepared, path))
-}
-
-/// The summary of a scene that is prepared.
-pub fn summarize(scene: &Scene, prepared: &Prepared, path: &Path) -> SceneSummary {
+/// The summary of a scene that is prepared; `masses` are those of its free bodies.
+pub fn summarize(
+    scene: &Scene,
+    path: &Path,
+    bodies: &[PreparedBody],
+    counts: &[SourceCount],
+    masses: Vec<Option<Mass>>,
+) -> SceneSummary {
     let mut out = outline(scene, path);
     let count = |count: &SourceCount| SourceFacts::new(Some(count.particles), count.key.clone());
-    out.sources = prepared.particles.counts.iter().map(count).collect();
-    let total = prepared.particles.positions.len() as u64;
+    out.sources = counts.iter().map(count).collect();
+    let total = counts.iter().map(|count| count.particles).sum();
     out.particles = Some(total);
-    for (facts, body) in out.bodies.iter_mut().zip(&prepared.bodies) {
+    for ((facts, body), mass) in out.bodies.iter_mut().zip(bodies).zip(masses) {
         facts.boundary_particles = body.boundary_particles;
+        facts.mass = mass.and_then(|mass| MassFacts::new(&body.settings, &mass, body.mesh.as_deref()));
         facts.map = Some(MapFacts {
             origin: match body.origin {
                 Origin::Asset => "asset",
@@ -151,12 +204,11 @@ pub fn summarize(scene: &Scene, prepared: &Prepared, path: &Path) -> SceneSummar
         });
     }
     out.add_emitters(scene);
-    out.estimate(total);
-    let mut maps: Vec<_> = prepared.bodies.iter().map(|body| &body.map).collect();
+    out.estimate(scene, total);
+    let mut maps: Vec<_> = bodies.iter().map(|body| &body.map).collect();
     maps.sort_by_key(|map| std::sync::Arc::as_ptr(map));
     maps.dedup_by(|a, b| std::sync::Arc::ptr_eq(a, b));
     out.memory += maps.iter().map(|map| map.memory_bytes() as u64).sum::<u64>();
-    out.notes.extend(prepared.notes.iter().cloned());
     out
 }
 
@@ -168,9 +220,10 @@ fn outline(scene: &Scene, path: &Path) -> SceneSummary {
             Motion::Static => "static",
             Motion::Keyframes(_) => "keyframes",
             Motion::Spin(_) => "spin",
-            Motion::Free(_) => "free",
+            Motion::Free(_) => FREE,
         },
         boundary_particles: None,
+        mass: None,
         map: None,
     };
     SceneSummary {
@@ -181,8 +234,11 @@ fn outline(scene: &Scene, path: &Path) -> SceneSummary {
         particles: None,
         sources: Vec::new(),
         bodies: scene.bodies.iter().zip(body::names(&scene.bodies)).map(body).collect(),
+        emitted: 0,
+        are_placed: true,
         memory: 0,
         step_seconds: 0.0,
+        least_steps: 0,
         end: scene.stop.time,
         notes: Vec::new(),
     }
@@ -203,17 +259,32 @@ fn methods(scene: &Scene) -> Vec<String> {
 impl SceneSummary {
     fn add_emitters(&mut self, scene: &Scene) {
         for (i, settings) in scene.emitters.iter().enumerate() {
-            let layer = nozzle::emitter(settings, scene.particle_radius).layer().len() as u64;
+            let emitter = nozzle::emitter(settings, scene.particle_radius);
+            let layer = emitter.layer().len() as u64;
+            self.emitted += emitted(emitter, scene.stop.time);
             let rate = layer as f64 * settings.speed / scene.spacing();
             let text = format!("emitters[{i}]: {layer} particles per layer, {rate:.0} per second");
             self.sources.push(SourceFacts { particles: Some(layer), text, is_complete: true });
         }
     }
 
-    fn estimate(&mut self, particles: u64) {
-        self.memory = particles * BYTES_PER_PARTICLE;
-        self.step_seconds = particles as f64 * SECONDS_PER_PARTICLE;
+    fn estimate(&mut self, scene: &Scene, particles: u64) {
+        let all = particles + self.emitted;
+        self.memory = BYTES_OF_PROGRAM + all * BYTES_PER_PARTICLE;
+        self.step_seconds = all as f64 * SECONDS_PER_PARTICLE;
+        let step = &scene.solver.time_step;
+        let longest = if step.adaptive { step.max } else { step.initial };
+        let steps = (scene.stop.time / longest - 1e-6).ceil() as u64;
+        self.least_steps = steps.max(1).min(scene.stop.steps.unwrap_or(u64::MAX));
     }
+}
+
+/// Particles that an emitter gives until `end`, seconds.
+fn emitted(mut emitter: Emitter, end: f64) -> u64 {
+    // In pieces: places of all of them need not be in memory at once.
+    let pieces = 64;
+    let mut count = |n: u32| emitter.emit(end * f64::from(n) / f64::from(pieces)).len() as u64;
+    (0..=pieces).map(&mut count).sum()
 }
 
 impl Display for SceneSummary {
@@ -224,17 +295,42 @@ impl Display for SceneSummary {
             let label = if i == 0 { "bodies" } else { "" };
             writeln!(f, "{label:10} {body}")?;
         }
-        let (memory, step) = (bytes(self.memory), 1e3 * self.step_seconds);
-        writeln!(
-            f,
-            "cost       about {memory} of memory; {step:.0} ms per step of {ITERATIONS} iterations on two threads"
-        )?;
+        self.fmt_cost(f)?;
         write!(f, "end        {} s", self.end)?;
         self.notes.iter().try_for_each(|note| write!(f, "\nnote       {note}"))
     }
 }
 
 impl SceneSummary {
+    fn fmt_cost(&self, f: &mut Formatter) -> fmt::Result {
+        let (memory, step) = (bytes(self.memory), number(1e3 * self.step_seconds));
+        let when = match (self.emitted, self.particles) {
+            (0, _) => String::new(),
+            (more, None) => format!("at the end, with {} particles of emitters: ", thousands(more)),
+            (more, Some(0)) => format!("at the end, with up to {} particles: ", thousands(more)),
+            (more, Some(first)) => {
+                let all = thousands(first + more);
+                format!("at the end, with up to {all} particles, {} of them of emitters: ", thousands(more))
+            }
+        };
+        writeln!(
+            f,
+            "cost       {when}about {memory} of memory, {step} ms per step of {ITERATIONS} iterations on two threads"
+        )?;
+        // With emitters the fluid grows evenly.
+        let mean = match (self.emitted, self.particles) {
+            (more, Some(first)) if more > 0 => (first as f64 + 0.5 * more as f64) / (first + more) as f64,
+            _ => 1.0,
+        };
+        let time = duration(self.least_steps as f64 * self.step_seconds * mean);
+        writeln!(
+            f,
+            "steps      at least {}, so about {time} or more; fast fluid needs shorter steps, pictures and files come \
+             on top",
+            thousands(self.least_steps)
+        )
+    }
+
     fn fmt_particles(&self, f: &mut Formatter) -> fmt::Result {
         let words = ["kernel", "boundary", "closure"].iter().zip(&self.methods);
         let methods: Vec<String> = words.map(|(word, method)| format!("{word} {method}")).collect();
@@ -249,7 +345,12 @@ impl SceneSummary {
             self.support_radius,
             methods.join(", ")
         )?;
-        self.sources.iter().try_for_each(|source| writeln!(f, "           {source}"))
+        self.sources.iter().try_for_each(|source| writeln!(f, "           {source}"))?;
+        if self.are_placed {
+            Ok(())
+        } else {
+            writeln!(f, "           fewer where they lie in bodies or outside the domain")
+        }
     }
 }
 
@@ -263,9 +364,27 @@ impl Display for SourceFacts {
     }
 }
 
+impl Display for MassFacts {
+    fn fmt(&self, f: &mut Formatter) -> fmt::Result {
+        let &MassFacts { mass, volume, density, given, volume_of } = self;
+        let [mass, volume, density] = [mass, volume, density].map(|x| significant(x, 4));
+        match given {
+            "mass" => {
+                write!(f, "{mass} kg (given; {density} kg/m^3 by the {volume_of}'s volume, {volume} m^3)")
+            }
+            _ => write!(f, "{mass} kg (density {density} kg/m^3 x volume {volume} m^3 of the {volume_of})"),
+        }
+    }
+}
+
 impl Display for BodyFacts {
     fn fmt(&self, f: &mut Formatter) -> fmt::Result {
         write!(f, "{}: {}, {}", self.name, self.motion, self.file)?;
+        if let Some(mass) = &self.mass {
+            write!(f, "; {mass}")?;
+        } else if self.motion == FREE {
+            write!(f, "; mass known after the map is baked")?;
+        }
         if let Some(count) = self.boundary_particles {
             write!(f, "; {} boundary particles", thousands(count))?;
         }

@@ -77,6 +77,9 @@ impl Scene {
             time: 0.04 * step as f64,
             step,
             particle_radius: self.radius,
+            particle_mass: 1000.0 * (2.0 * self.radius).powi(3),
+            rest_density: 1000.0,
+            origin: None,
             positions: &self.positions,
             velocities: &self.velocities,
             density: &self.density,
@@ -121,6 +124,7 @@ pub fn world() -> World {
         colour: None,
     };
     World {
+        origin: DVec3::ZERO,
         bounds: Bounds { low: LOW.as_vec3(), high: HIGH.as_vec3() },
         gravity: Vec3::new(0.0, -9.81, 0.0),
         rest_density: 1000.0,

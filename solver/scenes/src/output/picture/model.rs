@@ -4,7 +4,7 @@ use glam::Vec3;
 use std::collections::BTreeMap;
 use volmap_figures::raster::{self, Faces, Sides, Triangle, View};
 use volmap_formats::mesh::TriangleMesh;
-use volmap_runtime::Pose;
+use volmap_runtime::{DVec3, Pose};
 
 /// Faces that meet at less than this angle, 35 degrees, are one smooth surface; its cosine.
 const CREASE: f32 = 0.82;
@@ -12,6 +12,8 @@ const CREASE: f32 = 0.82;
 /// A mesh in its own frame.
 #[derive(Clone, Debug, Default)]
 pub struct Model {
+    /// What places are relative to, metres: not zero if they are far from it, as in coordinates of a country.
+    pub origin: DVec3,
     /// Places, metres.
     pub vertices: Vec<Vec3>,
     /// Corners of the triangles.
@@ -34,8 +36,9 @@ pub struct Edge {
 impl Model {
     /// The model of a mesh. Triangles with corners that don't exist are left out.
     pub fn new(mesh: &TriangleMesh) -> Model {
+        let origin = origin(mesh);
         let vertices: Vec<Vec3> =
-            mesh.vertices.iter().map(|p| Vec3::from_array(p.map(|x| x as f32))).collect();
+            mesh.vertices.iter().map(|&p| (DVec3::from(p) - origin).as_vec3()).collect();
         let exists = |t: &&[u32; 3]| t.iter().all(|&corner| (corner as usize) < vertices.len());
         let triangles: Vec<[u32; 3]> = mesh.triangles.iter().filter(exists).copied().collect();
         let areas: Vec<Vec3> = triangles
@@ -47,10 +50,10 @@ impl Model {
             .collect();
         let normals = corner_normals(&triangles, &areas, vertices.len());
         let edges = sharp_edges(&triangles, &areas);
-        Model { vertices, triangles, normals, edges }
+        Model { origin, vertices, triangles, normals, edges }
     }
 
-    /// Its triangles that may be seen, all with this number of a material.
+    /// Its triangles that may be seen, at a pose of its [origin](Model::origin); all with this number of a material.
     pub(super) fn project(&self, view: &View, pose: &Pose, sides: Sides, material: u32) -> Vec<Triangle> {
         let place = |&vertex: &Vec3| pose.to_world(vertex.as_dvec3()).as_vec3();
         let places: Vec<Vec3> = self.vertices.iter().map(place).collect();
@@ -58,6 +61,17 @@ impl Model {
         let faces = Faces { places: &places, triangles, normals, rotation: pose.rotation.as_quat() };
         raster::project(view, &faces, sides, |_| material)
     }
+}
+
+/// A mesh so many times its size away from zero has an origin of its own.
+const FAR: f64 = 1000.0;
+
+fn origin(mesh: &TriangleMesh) -> DVec3 {
+    let places = mesh.vertices.iter().map(|&place| DVec3::from(place)).filter(|place| place.is_finite());
+    let around = |[low, high]: [DVec3; 2], place: DVec3| [low.min(place), high.max(place)];
+    let [low, high] = places.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], around);
+    let middle = 0.5 * (low + high);
+    if middle.length() > FAR * (high - low).length() { middle } else { DVec3::ZERO }
 }
 
 /// At each corner the mean of the faces around the vertex that aren't beyond a crease.

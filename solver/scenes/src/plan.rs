@@ -1,0 +1,61 @@
+//! What a run begins with. [`Session::new`](crate::session::Session::new) and [`check`] take it from here, so that
+//! whatever a run would refuse, `check` refuses too.
+
+use crate::assemble::assemble;
+use crate::error::Error;
+use crate::scene::sources::SourceCount;
+use crate::scene::{self, PreparedBody, Scene, SceneSummary, SourceFile, placement, summary};
+use std::path::Path;
+use volmap_bake::watch::Watch;
+use volmap_fluid::simulation::Simulation;
+
+/// A simulation at time 0, and what is known of its parts.
+pub struct Plan {
+    /// The simulation.
+    pub simulation: Simulation,
+    /// Bodies in the scene's order.
+    pub bodies: Vec<PreparedBody>,
+    /// Particles by source.
+    pub counts: Vec<SourceCount>,
+    /// Files of the bodies, then of the fills, in the scene's order.
+    pub files: Vec<SourceFile>,
+    /// What the user should look at.
+    pub notes: Vec<String>,
+}
+
+/// Checks a scene, opens or bakes its maps, places its particles and bodies. `end` is that of the run, seconds;
+/// `on_bake` is called with each mesh before it is baked.
+///
+/// # Errors
+/// As [`scene::prepare()`] and [`Simulation::new`]; a run without fluid until its end.
+pub fn plan(scene: &Scene, end: f64, watch: &Watch, on_bake: &mut dyn FnMut(&Path)) -> Result<Plan, Error> {
+    let prepared = scene::prepare(scene, watch, on_bake)?;
+    let first = scene.emitters.iter().map(|emitter| emitter.start).fold(f64::INFINITY, f64::min);
+    if prepared.particles.positions.is_empty() && first >= end {
+        let reason = format!(
+            "the first begins at {first} s, but the run ends at {end} s and has no other fluid; begin earlier, or end \
+             later (stop.time)"
+        );
+        return Err(Error::Scene { place: "emitters".into(), reason });
+    }
+    let (bodies, files) = (prepared.bodies.clone(), prepared.files.clone());
+    let (counts, mut notes) = (prepared.particles.counts.clone(), prepared.notes.clone());
+    notes.extend(placement::notes(&bodies, scene.particle_radius, scene.domain.as_ref()));
+    let simulation = Simulation::new(assemble(scene, prepared)?)?;
+    Ok(Plan { simulation, bodies, counts, files, notes })
+}
+
+/// Reads a scene, prepares all that its run begins with, and does the first step. What a run would refuse is an error
+/// here.
+///
+/// # Errors
+/// As [`scene::load`], [`plan()`] and [`Simulation::step`].
+pub fn check(path: &Path, watch: &Watch, on_bake: &mut dyn FnMut(&Path)) -> Result<SceneSummary, Error> {
+    let scene = scene::load(path)?;
+    let mut plan = plan(&scene, scene.stop.time, watch, on_bake)?;
+    let masses = (0..plan.bodies.len()).map(|body| plan.simulation.bodies().mass(body).copied()).collect();
+    let mut summary = summary::summarize(&scene, path, &plan.bodies, &plan.counts, masses);
+    summary.notes.extend(std::mem::take(&mut plan.notes));
+    plan.simulation.step()?;
+    Ok(summary)
+}
