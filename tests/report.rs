@@ -33,7 +33,15 @@ fn boxes(corners: &[[[f64; 3]; 2]]) -> Input {
     }
     let source = MeshSource { file: "boxes.obj".into(), format: "OBJ".into(), blake3: "0".repeat(64) };
     let cleaning = CleanReport::default();
-    Input { mesh, source, cleaning, placement: Placement::default(), weld_tolerance: 0.0 }
+    Input {
+        mesh,
+        source,
+        cleaning,
+        placement: Placement::default(),
+        weld_tolerance: 0.0,
+        shape: None,
+        placed_shape: None,
+    }
 }
 
 fn baked(input: &Input, precision: Precision) -> Asset {

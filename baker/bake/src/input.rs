@@ -1,6 +1,7 @@
 //! From a mesh file to the mesh that is baked: read, clean, place.
 
 use crate::error::Error;
+use crate::primitive::{PlacedPrimitive, Primitive};
 use glam::DVec3;
 use serde::Serialize;
 use std::path::Path;
@@ -17,6 +18,8 @@ pub struct InputSettings {
     pub placement: Placement,
     /// Vertices this close are one, in the file's unit.
     pub weld_tolerance: f64,
+    /// A shape that is baked instead of a file.
+    pub shape: Option<Primitive>,
 }
 
 /// A mesh, and where it comes from.
@@ -32,6 +35,10 @@ pub struct Input {
     pub placement: Placement,
     /// Vertices this close are one, in the file's unit.
     pub weld_tolerance: f64,
+    /// The shape that the mesh stands for, as it was given; its distance is what is baked then.
+    pub shape: Option<Primitive>,
+    /// The same, placed.
+    pub placed_shape: Option<PlacedPrimitive>,
 }
 
 /// Where a mesh comes from.
@@ -45,11 +52,14 @@ pub struct MeshSource {
     pub blake3: String,
 }
 
-/// Reads, cleans and places a mesh.
+/// Reads, cleans and places a mesh; or makes the shape that the settings give, and reads no file.
 ///
 /// # Errors
 /// A file that can't be read or used; a placement that can't be.
 pub fn load(path: &Path, settings: &InputSettings) -> Result<Input, Error> {
+    if let Some(shape) = settings.shape {
+        return from_shape(shape, settings);
+    }
     from_bytes(path, mesh::read_bytes(path)?, settings)
 }
 
@@ -106,8 +116,33 @@ pub fn from_arrays(
     Ok(cleaned(raw, source, settings)?)
 }
 
+/// The same of a shape, whose closed form is what is baked. Up axis, scale, rotation and translation place it as a mesh.
+///
+/// # Errors
+/// A shape that there isn't, or that isn't one of its kind once it is placed.
+pub fn from_shape(shape: Primitive, settings: &InputSettings) -> Result<Input, Error> {
+    let placement = Placement { unit: settings.unit.unwrap_or(1.0), ..settings.placement };
+    let placed = PlacedPrimitive::new(shape, &placement)?;
+    let source = MeshSource {
+        file: shape.name().into(),
+        format: SHAPE.into(),
+        blake3: blake3::hash(shape.to_string().as_bytes()).to_hex().to_string(),
+    };
+    Ok(Input {
+        mesh: placed.mesh()?,
+        source,
+        cleaning: CleanReport::default(),
+        placement,
+        weld_tolerance: settings.weld_tolerance,
+        shape: Some(shape),
+        placed_shape: Some(placed),
+    })
+}
+
 /// The format of a mesh that comes from no file.
 const ARRAYS: &str = "arrays";
+/// The format of what is no mesh.
+pub(crate) const SHAPE: &str = "shape";
 
 fn cleaned(raw: RawMesh, source: MeshSource, settings: &InputSettings) -> Result<Input, MeshError> {
     let unit = settings.unit.or(raw.unit).unwrap_or(1.0);
@@ -115,7 +150,8 @@ fn cleaned(raw: RawMesh, source: MeshSource, settings: &InputSettings) -> Result
     let clean_settings = CleanSettings { weld_tolerance: settings.weld_tolerance };
     let (mut mesh, cleaning) = mesh::clean(raw, &clean_settings)?;
     placement.apply(&mut mesh)?;
-    Ok(Input { mesh, source, cleaning, placement, weld_tolerance: settings.weld_tolerance })
+    let weld_tolerance = settings.weld_tolerance;
+    Ok(Input { mesh, source, cleaning, placement, weld_tolerance, shape: None, placed_shape: None })
 }
 
 /// Lowest and highest corner of a mesh's box, metres.

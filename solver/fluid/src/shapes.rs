@@ -81,6 +81,8 @@ pub fn bake_made(mesh: TriangleMesh, map: MapSettings) -> Result<Bake, Error> {
         cleaning: CleanReport::default(),
         placement: Placement::default(),
         weld_tolerance: 0.0,
+        shape: None,
+        placed_shape: None,
     };
     let settings = BakeSettings { map, ..BakeSettings::default() };
     Ok(bake(input, &settings, &Default::default())?)

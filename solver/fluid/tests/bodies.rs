@@ -43,6 +43,8 @@ fn thing(mesh: &TriangleMesh, invert: bool, resolution: [u32; 3]) -> Thing {
         cleaning: CleanReport::default(),
         placement: Placement::default(),
         weld_tolerance: 0.0,
+        shape: None,
+        placed_shape: None,
     };
     let map = MapSettings {
         support_radius: Some(0.1),

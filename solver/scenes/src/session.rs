@@ -12,6 +12,7 @@ use crate::output::folder::Start;
 use crate::output::statistics::RunSummary;
 use crate::output::{self, Frame, Output, StepStatistics};
 use crate::resume::{self, Identity};
+use crate::scene::memory::Limit;
 use crate::scene::{self, Scene};
 use contents::{body_frames, body_meshes, folder_settings, picture_world};
 use std::path::{Path, PathBuf};
@@ -30,6 +31,8 @@ pub struct RunSettings {
     pub steps: Option<u64>,
     /// Ends at this time, seconds, instead of the scene's.
     pub until: Option<f64>,
+    /// Bytes that the run may need, by the estimate of [`memory`](crate::scene::memory); none: any number.
+    pub max_memory: Option<u64>,
 }
 
 /// How a run begins.
@@ -111,7 +114,11 @@ impl Session {
         on_bake: &mut dyn FnMut(&Path),
     ) -> Result<Session, Error> {
         refuse_to_replace(folder, settings.begin)?;
-        let prepared = scene::prepare(&scene, watch, on_bake)?;
+        let end = settings.until.unwrap_or(scene.stop.time);
+        let prepared = match settings.max_memory {
+            Some(bytes) => scene::prepare_within(&scene, Limit { bytes, end }, watch, on_bake)?,
+            None => scene::prepare(&scene, watch, on_bake)?,
+        };
         let notes = prepared.notes.clone();
         let identity = Identity::new(&scene, prepared.files.clone());
         let meshes = body_meshes(&prepared.bodies);
@@ -122,7 +129,7 @@ impl Session {
         let output = Output::open(folder, &folder_settings(&scene), world, &meshes, start)?;
         let mut session = Session {
             next_checkpoint: simulation.time() + scene.output.checkpoint_interval,
-            end: settings.until.unwrap_or(scene.stop.time),
+            end,
             last_step: settings.steps.or(scene.stop.steps),
             folder: folder.to_owned(),
             simulation,

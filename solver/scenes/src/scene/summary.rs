@@ -2,6 +2,7 @@
 
 use super::body::{self, Motion};
 use super::map::Origin;
+use super::memory::{BYTES_PER_PARTICLE, of_maps};
 use super::nozzle;
 use super::prepare::{Prepared, prepare};
 use super::sources::SourceCount;
@@ -15,9 +16,6 @@ use volmap_fluid::lattice;
 use volmap_fluid::settings::BoundaryMethod;
 use volmap_formats::text::{bytes, thousands};
 
-/// Peak memory of a run per particle, measured at 1 to 3 million particles (640 to 720: solver/BENCHMARKS.md). Each run
-/// takes some 30 MB more.
-const BYTES_PER_PARTICLE: u64 = 700;
 /// Seconds per particle and step, measured at 60 thousand to 3 million particles (0.75 to 1.25e-6:
 /// solver/BENCHMARKS.md) with [`ITERATIONS`] on two threads of one core of an AMD EPYC (Zen 3). Other scenes and
 /// machines are up to several times faster or slower.
@@ -152,10 +150,7 @@ pub fn summarize(scene: &Scene, prepared: &Prepared, path: &Path) -> SceneSummar
     }
     out.add_emitters(scene);
     out.estimate(total);
-    let mut maps: Vec<_> = prepared.bodies.iter().map(|body| &body.map).collect();
-    maps.sort_by_key(|map| std::sync::Arc::as_ptr(map));
-    maps.dedup_by(|a, b| std::sync::Arc::ptr_eq(a, b));
-    out.memory += maps.iter().map(|map| map.memory_bytes() as u64).sum::<u64>();
+    out.memory += of_maps(prepared.bodies.iter().map(|body| &body.map));
     out.notes.extend(prepared.notes.iter().cloned());
     out
 }
