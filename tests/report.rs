@@ -40,6 +40,8 @@ fn boxes(corners: &[[[f64; 3]; 2]]) -> Input {
         placement: Placement::default(),
         weld_tolerance: 0.0,
         coordinate_step: None,
+        shape: None,
+        placed_shape: None,
     }
 }
 

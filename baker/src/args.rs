@@ -78,9 +78,10 @@ pub enum Command {
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]
 pub struct BakeArguments {
-    /// Mesh file
-    pub mesh: PathBuf,
-    /// Where the asset goes [default: the mesh's name with .h5, in this folder]
+    /// Mesh file; none with --shape
+    #[arg(required_unless_present = "shape", conflicts_with = "shape")]
+    mesh: Option<PathBuf>,
+    /// Where the asset goes [default: the mesh's or the shape's name with .h5, in this folder]
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
 
@@ -102,9 +103,15 @@ pub struct BakeArguments {
 }
 
 impl BakeArguments {
+    /// The mesh file; of a shape its name.
+    pub fn mesh(&self) -> PathBuf {
+        let shape = || self.parameters.given.shape.map_or("", |shape| shape.name());
+        self.mesh.clone().unwrap_or_else(|| shape().into())
+    }
+
     /// Where the asset goes.
     pub fn output(&self) -> PathBuf {
-        let beside = || PathBuf::from(self.mesh.with_extension("h5").file_name().unwrap_or_default());
+        let beside = || PathBuf::from(self.mesh().with_extension("h5").file_name().unwrap_or_default());
         self.output.clone().unwrap_or_else(beside)
     }
 

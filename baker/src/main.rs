@@ -15,8 +15,20 @@ use std::path::Path;
 use std::process::ExitCode;
 use volmap_batch::process::WORKER;
 use volmap_formats::text::printable;
+use volmap_memory::{NoThreads, start_threads};
+
+#[global_allocator]
+static ALLOCATOR: volmap_memory::Allocator = volmap_memory::Allocator;
+
+/// What is said when the system has no memory left.
+const OUT_OF_MEMORY: &str = "\
+    error: the system has no memory left (exit code 3); allow more (ulimit -v, the container's limit), or need less: \
+    larger cells (--cell-size, --resolution, --support-radius), fewer --threads or --jobs. --max-memory refuses before \
+    the work what won't fit\n";
 
 fn main() -> ExitCode {
+    // Where it is refused, the program only ends in another way.
+    let _ = volmap_memory::tell(OUT_OF_MEMORY);
     match start() {
         Ok(code) => code,
         // The reader of a pipe may have had enough.
@@ -27,7 +39,7 @@ fn main() -> ExitCode {
         }
         Err(error) => {
             eprintln!("error: {}", message(&error));
-            ExitCode::FAILURE
+            if error.is::<NoThreads>() { volmap_memory::EXIT_CODE.into() } else { ExitCode::FAILURE }
         }
     }
 }
@@ -47,12 +59,27 @@ fn run(command: Command) -> Result<ExitCode> {
         Command::BakeOutline(arguments) => outline::run_bake_outline(&arguments)?,
         Command::Batch(arguments) => return Ok(batch::run_batch(&arguments)),
         Command::Verify(arguments) => return Ok(batch::run_verify(&arguments)),
-        Command::Info { asset, json } => query::run_info(&asset, json)?,
-        Command::Query { asset, points, json } => query::run_query(&asset, &points, json)?,
+        Command::Info { asset, json } => {
+            start_threads(None)?;
+            query::run_info(&asset, json)?;
+        }
+        Command::Query { asset, points, json } => {
+            start_threads(None)?;
+            query::run_query(&asset, &points, json)?;
+        }
         Command::Report(arguments) => return report::run_report(&arguments),
-        Command::Slice(arguments) => slice::run_slice(&arguments)?,
-        Command::Export(arguments) => exchange::run_export(&arguments)?,
-        Command::Import(arguments) => exchange::run_import(&arguments)?,
+        Command::Slice(arguments) => {
+            start_threads(None)?;
+            slice::run_slice(&arguments)?;
+        }
+        Command::Export(arguments) => {
+            start_threads(None)?;
+            exchange::run_export(&arguments)?;
+        }
+        Command::Import(arguments) => {
+            start_threads(None)?;
+            exchange::run_import(&arguments)?;
+        }
         Command::Reproduce(arguments) => reproduce::run_reproduce(&arguments)?,
         Command::Completions { shell } => manual::run_completions(shell)?,
         Command::Man { output } => manual::run_man(output.as_deref())?,

@@ -2,6 +2,7 @@
 
 use clap::{Parser, Subcommand};
 use std::path::PathBuf;
+use volmap_bake::parameters::ByteSize;
 
 /// Simulate incompressible fluids with volume maps as boundaries
 #[derive(Debug, Parser)]
@@ -19,6 +20,8 @@ pub enum Command {
     Info(SceneArguments),
     /// Check that a scene can run: opens or bakes its maps and places its particles
     Check(SceneArguments),
+    /// Write a scene to start from, with comments
+    New(NewArguments),
     /// Print the JSON Schema of scene files
     Schema,
     /// Run validation cases and compare with targets
@@ -46,12 +49,35 @@ pub struct RunArguments {
     /// Replace the run in the folder
     #[arg(long)]
     pub overwrite: bool,
+    /// Refuse runs that need more, as 4GiB or 500MB; bakes that need more, too [default: no limit; bakes 4GiB]
+    #[arg(long, value_name = "BYTES")]
+    pub max_memory: Option<ByteSize>,
     /// Number of threads; results don't depend on it [default: all processors]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
     /// Print only errors
     #[arg(short, long)]
     pub quiet: bool,
+}
+
+#[derive(Debug, clap::Args)]
+pub struct NewArguments {
+    /// Where the scene goes; a file that is there stays
+    #[arg(default_value = "scene.toml")]
+    pub file: PathBuf,
+    /// What is in the scene
+    #[arg(long, value_enum, default_value_t)]
+    pub template: Template,
+}
+
+/// Scenes to start from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum Template {
+    /// Water in a tank, and a ball that floats in it
+    #[default]
+    Tank,
+    /// A jet of water on a box that stands on a plane
+    Jet,
 }
 
 #[derive(Debug, clap::Args)]
@@ -79,10 +105,11 @@ pub struct ExperimentArguments {
     /// Run fewer, coarser and shorter cases: about ten seconds per experiment
     #[arg(long)]
     pub short: bool,
-    /// Folder for charts (.png) and results (validation.json or reproduction.json); created if missing
+    /// Folder for charts (.png) and results (validation.json or reproduction.json, which keeps those of earlier runs);
+    /// created if missing
     #[arg(short, long, value_name = "FOLDER")]
     pub output: Option<PathBuf>,
-    /// Exit with code 1 if a target is not met
+    /// Exit with code 1 if a target is not met; `validate` always does
     #[arg(long)]
     pub strict: bool,
     /// Number of threads; results don't depend on it [default: all processors]

@@ -4,7 +4,7 @@ use volmap_scenes::Error;
 
 /// The message of an error, in one line.
 pub fn of(error: &anyhow::Error) -> String {
-    let text = error.to_string();
+    let text = error.to_string().replace("`max_memory`", "--max-memory");
     match error.downcast_ref().and_then(cure) {
         Some(cure) => format!("{text}; {cure}"),
         None => text,

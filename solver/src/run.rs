@@ -3,6 +3,7 @@
 pub mod check;
 pub mod experiments;
 pub mod info;
+pub mod new;
 mod progress;
 pub mod schema;
 pub mod simulate;
@@ -24,10 +25,7 @@ pub fn tell(line: Arguments) {
     _ = writeln!(io::stderr().lock(), "{line}");
 }
 
-/// Sets the number of threads; all processors without one.
+/// Starts so many threads; one for each processor without a number.
 fn set_threads(threads: Option<u16>) -> Result<()> {
-    if let Some(threads) = threads {
-        rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global()?;
-    }
-    Ok(())
+    Ok(volmap_memory::start_threads(threads.map(usize::from))?)
 }

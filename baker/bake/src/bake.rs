@@ -23,6 +23,7 @@ use crate::mesh::{Diagnosis, OrientationRepair, Prepared, prepare};
 use crate::plan::{Extent, Plan, plan};
 pub use crate::recipe::BakeSettings;
 use crate::rows::positions;
+use crate::sdf::sign::SignChoice;
 use crate::sdf::thin::ThinPlaces;
 use crate::sdf::{
     BoundaryDistance, ChangedDistance, MeshDistance, SignComparison, SignedDistance, compare_signs,
@@ -79,10 +80,16 @@ enum Cells {
 pub fn plan_bake(mut input: Input, settings: &BakeSettings, watch: &Watch) -> Result<PlannedBake, Error> {
     let clock = Clock::default();
     clock.beside(watch).step(Stage::Mesh.step())?;
-    let Prepared { repair, diagnosis, .. } = prepare(&mut input.mesh, settings.keep_orientation);
+    let Prepared { repair, mut diagnosis, .. } = prepare(&mut input.mesh, settings.keep_orientation);
+    if let Some(shape) = input.placed_shape.filter(|placed| !placed.shape().is_unbounded()) {
+        (diagnosis.volume, diagnosis.area) = (shape.shape().volume(), shape.area());
+    }
     clock.stop();
-    let [min, max] = bounds(&input.mesh);
-    let extent = Extent { min, max, area: diagnosis.area };
+    let ([min, max], area) = match &input.placed_shape {
+        Some(shape) => (shape.bounds(), shape.area()),
+        None => (bounds(&input.mesh), diagnosis.area),
+    };
+    let extent = Extent { min, max, area };
     let cells = match settings.map.grid {
         GridChoice::Tolerance(tolerance) => Cells::Searched(tolerance),
         _ => Cells::Planned(plan(&extent, &settings.map)?),
@@ -124,7 +131,8 @@ impl PlannedBake {
         // Phi, Eq. 10.
         watch.step(Stage::Tree.step())?;
         let mesh = MeshDistance::new(&self.input.mesh, self.settings.sign, &self.diagnosis);
-        let phi = BoundaryDistance { mesh, invert: map.invert, thickness: map.thickness };
+        let shape = self.input.placed_shape;
+        let phi = BoundaryDistance { mesh, shape, invert: map.invert, thickness: map.thickness };
         // The cells of the band, Phi and V there: section 5, Eq. 12.
         let (plan, mut maps, tolerance) = self.volume_map(&phi, watch)?;
         // Eq. 9.
@@ -168,7 +176,7 @@ impl PlannedBake {
             bounds: [extent.min, extent.max],
             diagnosis,
             repair,
-            sign: phi.mesh.sign_choice().clone(),
+            sign: sign_choice(&phi),
             sign_comparison,
             overlaps: phi.mesh.overlaps().clone(),
             thin,
@@ -181,6 +189,7 @@ impl PlannedBake {
             rounding: None,
             seconds: clock.seconds(),
             warnings: Vec::new(),
+            shape: phi.shape,
             source: input.source.clone(),
             cleaning: input.cleaning.clone(),
             placement: input.placement,
@@ -196,6 +205,14 @@ impl PlannedBake {
             ..asset
         };
         Ok(Bake { asset, summary })
+    }
+}
+
+fn sign_choice(phi: &BoundaryDistance) -> SignChoice {
+    let choice = phi.mesh.sign_choice().clone();
+    match phi.shape {
+        Some(_) => SignChoice { reason: "closed form: exact".into(), ..choice },
+        None => choice,
     }
 }
 

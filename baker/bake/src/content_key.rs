@@ -40,11 +40,17 @@ pub struct Identity {
     pub algorithm: u32,
 }
 
-/// Hashes what the asset of a mesh file follows from.
+/// Hashes what the asset of a mesh file follows from; of a shape, which the parameters give, no file is read.
 ///
 /// # Errors
 /// A mesh file that can't be read or is of no known format.
 pub fn identify(path: &Path, parameters: BTreeMap<String, String>) -> Result<Identity, Error> {
+    if let Some(shape) = parameters.get(input::SHAPE) {
+        let mesh = hash(shape.as_bytes());
+        let mut identity = Identity { mesh, parameters, algorithm: ALGORITHM_VERSION, ..Identity::default() };
+        identity.key = key(&identity);
+        return Ok(identity);
+    }
     let bytes = mesh::read_bytes(path)?;
     let format = MeshFormat::detect(path, &bytes)
         .map_err(|source| Error::MeshFile { path: path.to_owned(), source })?;

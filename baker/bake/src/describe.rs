@@ -113,7 +113,8 @@ pub fn warnings(summary: &Summary, maps: &Maps, settings: &BakeSettings) -> Vec<
     size_warnings(summary, settings, &mut out);
     let [low, high] = summary.plan.cut;
     let cut = low.iter().chain(&high).copied().fold(0.0, f64::max);
-    if cut > 0.0 {
+    // A plane goes on beyond every domain.
+    if cut > 0.0 && !summary.shape.is_some_and(|placed| placed.shape().is_unbounded()) {
         out.push(format!(
             "the domain cuts the band of 2 support radii by up to {} m; outside the domain the map \
              answers as far from the surface",

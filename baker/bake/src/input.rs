@@ -2,6 +2,7 @@
 
 use crate::coordinates::coordinate_step;
 use crate::error::Error;
+use crate::primitive::{PlacedPrimitive, Primitive};
 use glam::DVec3;
 use serde::Serialize;
 use std::path::Path;
@@ -18,6 +19,8 @@ pub struct InputSettings {
     pub placement: Placement,
     /// Vertices this close are one, in the file's unit.
     pub weld_tolerance: f64,
+    /// A shape that is baked instead of a file.
+    pub shape: Option<Primitive>,
 }
 
 /// A mesh, and where it comes from.
@@ -35,6 +38,10 @@ pub struct Input {
     pub weld_tolerance: f64,
     /// Step of the file's numbers, metres, where they look rounded.
     pub coordinate_step: Option<f64>,
+    /// The shape that the mesh stands for, as it was given; its distance is what is baked then.
+    pub shape: Option<Primitive>,
+    /// The same, placed.
+    pub placed_shape: Option<PlacedPrimitive>,
 }
 
 /// Where a mesh comes from.
@@ -48,11 +55,14 @@ pub struct MeshSource {
     pub blake3: String,
 }
 
-/// Reads, cleans and places a mesh.
+/// Reads, cleans and places a mesh; or makes the shape that the settings give, and reads no file.
 ///
 /// # Errors
 /// A file that can't be read or used; a placement that can't be.
 pub fn load(path: &Path, settings: &InputSettings) -> Result<Input, Error> {
+    if let Some(shape) = settings.shape {
+        return from_shape(shape, settings);
+    }
     from_bytes(path, mesh::read_bytes(path)?, settings)
 }
 
@@ -102,8 +112,34 @@ pub fn from_arrays(
     Ok(cleaned(raw, source, settings)?)
 }
 
+/// The same of a shape, whose closed form is what is baked. Up axis, scale, rotation and translation place it as a mesh.
+///
+/// # Errors
+/// A shape that there isn't, or that isn't one of its kind once it is placed.
+pub fn from_shape(shape: Primitive, settings: &InputSettings) -> Result<Input, Error> {
+    let placement = Placement { unit: settings.unit.unwrap_or(1.0), ..settings.placement };
+    let placed = PlacedPrimitive::new(shape, &placement)?;
+    let source = MeshSource {
+        file: shape.name().into(),
+        format: SHAPE.into(),
+        blake3: blake3::hash(shape.to_string().as_bytes()).to_hex().to_string(),
+    };
+    Ok(Input {
+        mesh: placed.mesh()?,
+        source,
+        cleaning: CleanReport::default(),
+        placement,
+        weld_tolerance: settings.weld_tolerance,
+        coordinate_step: None,
+        shape: Some(shape),
+        placed_shape: Some(placed),
+    })
+}
+
 /// The format of a mesh that comes from no file.
 const ARRAYS: &str = "arrays";
+/// The format of what is no mesh.
+pub(crate) const SHAPE: &str = "shape";
 
 fn cleaned(raw: RawMesh, source: MeshSource, settings: &InputSettings) -> Result<Input, MeshError> {
     let unit = settings.unit.or(raw.unit).unwrap_or(1.0);
@@ -112,9 +148,19 @@ fn cleaned(raw: RawMesh, source: MeshSource, settings: &InputSettings) -> Result
     let clean_settings = CleanSettings { weld_tolerance: settings.weld_tolerance };
     let (mut mesh, cleaning) = mesh::clean(raw, &clean_settings)?;
     placement.apply(&mut mesh)?;
+    let weld_tolerance = settings.weld_tolerance;
     let scale = placement.scale.into_iter().fold(0.0, |most: f64, scale| most.max(scale.abs()));
     let coordinate_step = step.map(|step| step * unit * scale);
-    Ok(Input { mesh, source, cleaning, placement, weld_tolerance: settings.weld_tolerance, coordinate_step })
+    Ok(Input {
+        mesh,
+        source,
+        cleaning,
+        placement,
+        weld_tolerance,
+        coordinate_step,
+        shape: None,
+        placed_shape: None,
+    })
 }
 
 /// Lowest and highest corner of a mesh's box, metres.

@@ -22,6 +22,9 @@
 //! [`input::load`] reads a file instead. The asset is written by `volmap_formats::asset::write` and asked by
 //! `volmap_runtime::VolumeMap`. [`bake::plan_bake`] stops before the work: it gives the grid and what it will cost.
 //!
+//! Boxes, spheres, cylinders, capsules and planes need no mesh: [`input::from_shape`] makes the same of a
+//! [`primitive::Primitive`], whose closed form is baked then.
+//!
 //! # A distance of one's own
 //!
 //! ```
@@ -85,6 +88,7 @@ pub mod maps;
 pub mod mesh;
 pub mod parameters;
 pub mod plan;
+pub mod primitive;
 pub mod provenance;
 pub mod random;
 pub mod recipe;

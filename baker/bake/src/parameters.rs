@@ -30,6 +30,7 @@ pub use value::{DensityKernel, ParameterValue};
 use crate::density_map::DensitySettings;
 use crate::input::InputSettings;
 use crate::plan::{GridChoice, Precision};
+use crate::primitive::Primitive;
 use crate::recipe::Recipe;
 use crate::sdf::SignMethod;
 use crate::volume_map::quadrature::Rule;
@@ -232,6 +233,27 @@ parameters! {
         describe: |baked| {
             let rule = baked.settings.map.density.map(|density| density.rule.to_string().into());
             rule.map(|name| ("density_quadrature", name)).into_iter().collect()
+        },
+    }
+
+    /// Bake a shape instead of a mesh, by its exact distance: box:X,Y,Z, sphere:RADIUS, cylinder:RADIUS,HEIGHT,
+    /// capsule:RADIUS,LENGTH (along y, around the origin) or plane:NX,NY,NZ (solid below it, within the domain)
+    shape: Primitive {
+        apply: |recipe, shape| recipe.input.shape = Some(shape.within(recipe.bake.map.domain)),
+        unit: "metres",
+        placeholder: "SHAPE",
+        example: "sphere:0.5",
+        section: Section::Mesh,
+        key: |recipe| recipe.input.shape.map(|shape| shape.to_string()),
+        describe: |baked| {
+            let shape = baked.input.shape.map(|shape| shape.to_string().into());
+            shape.map(|shape| ("shape", shape)).into_iter().collect()
+        },
+        restore: |bake, input| {
+            if let Some(shape) = text(bake, "shape")? {
+                input.shape = Some(shape.parse().map_err(|_| "shape")?);
+            }
+            Ok(())
         },
     }
 

@@ -1,7 +1,7 @@
 //! What an asset says of its own bake: how its mesh was placed, and which file it was.
 
 use crate::error::Error;
-use crate::input::{InputSettings, MeshSource};
+use crate::input::{self, Input, InputSettings, MeshSource};
 use crate::parameters;
 use std::path::{Path, PathBuf};
 use volmap_formats::asset::{Asset, Value};
@@ -12,7 +12,17 @@ use volmap_formats::mesh::read_bytes;
 /// # Errors
 /// Parameters that no bake writes.
 pub fn input_settings(asset: &Asset) -> Result<InputSettings, Error> {
-    parameters::restore(&asset.bake).map_err(strange)
+    let settings = parameters::restore(&asset.bake).map_err(strange)?;
+    Ok(InputSettings { shape: None, ..settings })
+}
+
+/// The shape that was baked, placed as the asset says; none if it was a mesh.
+///
+/// # Errors
+/// Parameters that no bake writes.
+pub fn shape(asset: &Asset) -> Result<Option<Input>, Error> {
+    let settings = parameters::restore(&asset.bake).map_err(strange)?;
+    settings.shape.map(|shape| input::from_shape(shape, &settings)).transpose()
 }
 
 /// A parameter of the bake that is a number; `default` if the asset doesn't say.

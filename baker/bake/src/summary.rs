@@ -4,6 +4,7 @@ use crate::input::MeshSource;
 use crate::maps::Maps;
 use crate::mesh::{Diagnosis, OrientationRepair};
 use crate::plan::Plan;
+use crate::primitive::PlacedPrimitive;
 use crate::sdf::Overlaps;
 use crate::sdf::sign::SignChoice;
 use crate::sdf::sign_comparison::SignComparison;
@@ -22,6 +23,8 @@ pub struct Summary {
     pub source: MeshSource,
     /// What cleaning did.
     pub cleaning: CleanReport,
+    /// The shape that the mesh stands for, if none was read.
+    pub shape: Option<PlacedPrimitive>,
     /// What was done to the file's coordinates.
     pub placement: Placement,
     /// Box of the placed mesh, metres.
@@ -111,14 +114,28 @@ impl Display for Summary {
 impl Summary {
     fn fmt_mesh(&self, f: &mut Formatter) -> fmt::Result {
         let [min, max] = self.bounds.map(|corner| triple(corner.to_array()));
-        writeln!(f, "mesh       {}: {}", self.source.file, self.faces())?;
-        writeln!(f, "           {}", self.state())?;
+        match &self.shape {
+            Some(placed) => self.fmt_shape(f, placed)?,
+            None => {
+                writeln!(f, "mesh       {}: {}", self.source.file, self.faces())?;
+                writeln!(f, "           {}", self.state())?;
+            }
+        }
         writeln!(f, "           box {min} to {max} m, area {} m^2", digits(self.diagnosis.area))?;
         if let Some(placed) = self.placed() {
             writeln!(f, "placed     {placed}")?;
         }
         self.holes(f)?;
         writeln!(f, "sign       {}", self.sign.reason)
+    }
+
+    fn fmt_shape(&self, f: &mut Formatter, placed: &PlacedPrimitive) -> fmt::Result {
+        let triangles = thousands(self.diagnosis.triangles as u64);
+        writeln!(f, "shape      {}; in pictures {triangles} triangles", placed.shape())?;
+        match placed.shape().is_unbounded() {
+            true => writeln!(f, "           a half-space, as far as the domain"),
+            false => writeln!(f, "           volume {} m^3", digits(placed.shape().volume())),
+        }
     }
 
     fn fmt_grid(&self, f: &mut Formatter) -> fmt::Result {

@@ -98,6 +98,15 @@ pub fn expand(manifest: &Manifest, folder: &Path) -> Result<Expanded, Error> {
             assets.push(asset(&said, mesh, folder, Some(map))?);
         }
     }
+    for entry in manifest.assets.iter().filter(|entry| entry.mesh.0.is_empty()) {
+        let Some(shape) = entry.bake.shape else { continue };
+        let said = of_shape(&manifest.defaults, entry);
+        let maps = said.maps.iter().map(Some);
+        let alone = said.maps.is_empty().then_some(None);
+        for map in maps.chain(alone) {
+            assets.push(asset(&said, shape.name(), folder, map)?);
+        }
+    }
     check_names(&assets)?;
     without_density(&assets, &mut found.notes);
     Ok(Expanded { assets, ..found })
@@ -165,6 +174,17 @@ fn say<'a>(defaults: &Rules, matchers: &'a [Matcher<'a>], mesh: &str) -> Said<'a
         first = false;
     }
     said
+}
+
+/// What an entry says of its shape; others have no say in that.
+fn of_shape<'a>(defaults: &Rules, entry: &'a Entry) -> Said<'a> {
+    Said {
+        rules: entry.rules().over(defaults),
+        tags: entry.tags.iter().map(String::as_str).collect(),
+        template: entry.name.as_deref().unwrap_or("{path}"),
+        fixed_part: "",
+        maps: entry.maps.as_deref().unwrap_or_default(),
+    }
 }
 
 fn asset(said: &Said, mesh: &str, folder: &Path, map: Option<&MapEntry>) -> Result<PlannedAsset, Error> {

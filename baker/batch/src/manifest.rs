@@ -84,14 +84,16 @@ pub struct Gates {
 #[serde(deny_unknown_fields, expecting = "give a table")]
 pub struct Entry {
     /// Mesh files: paths or globs, relative to the manifest's folder. In a glob `*` is any part of a name, `**` any
-    /// folders, `?` one character, `{a,b}` one of several.
+    /// folders, `?` one character, `{a,b}` one of several. None where `bake.shape` gives a shape: then the entry is one
+    /// asset by itself, or one for each of its maps.
+    #[serde(default)]
     pub mesh: Texts,
     /// Globs or paths of files that this entry doesn't mean.
     #[serde(default)]
     pub exclude: Texts,
     /// The asset's path in the output folder, without .h5. {path} stands for the mesh's path below the glob's fixed
     /// part, {stem} for its file's name, both without extension, {extension} for that, {parent} for its folder's name,
-    /// {map} for the map's name.
+    /// {map} for the map's name. Of a shape path and stem are what it is called, as `sphere`.
     /// Default: "{path}"; where there are maps, ".{map}" is put behind if {map} isn't in it.
     #[serde(default)]
     pub name: Option<String>,
@@ -198,6 +200,10 @@ impl Manifest {
             format!("{} is not known; this program reads {VERSION}: {cure}", self.version)
         })?;
         self.defaults.check(&top.key("defaults"))?;
+        let shape = self.defaults.bake.shape;
+        top.key("defaults").key("bake").require("shape", shape.is_none(), || {
+            "belongs to an entry of its own: [[assets]] with `bake.shape` and without `mesh`".into()
+        })?;
         top.require("assets", !self.assets.is_empty(), || "there are none; give one at least".into())?;
         let list = top.key("assets");
         self.assets.iter().enumerate().try_for_each(|(i, entry)| entry.check(&list.item(i)))
@@ -269,7 +275,15 @@ impl Entry {
     }
 
     fn check(&self, at: &At) -> Checked {
-        at.require("mesh", !self.mesh.0.is_empty(), || "names no file".into())?;
+        match (self.mesh.0.is_empty(), self.bake.shape.is_some()) {
+            (true, false) => {
+                return Err(at.problem("mesh", "names no file; give one, or a shape by `bake.shape`"));
+            }
+            (false, true) => {
+                return Err(at.key("bake").problem("shape", "goes without `mesh`; give one of them"));
+            }
+            _ => {}
+        }
         for (key, texts) in [("mesh", &self.mesh), ("exclude", &self.exclude)] {
             for text in &texts.0 {
                 Pattern::new(text).map_err(|reason| at.problem(key, reason))?;
@@ -289,6 +303,9 @@ impl Entry {
                 format!("two maps are called `{}`", map.name)
             })?;
             check_tags(&at, &map.tags)?;
+            at.key("bake").require("shape", map.bake.shape.is_none(), || {
+                "is the entry's; its maps differ in what else they give".into()
+            })?;
             map.rules().check(&at)?;
         }
         Ok(())

@@ -138,9 +138,38 @@ impl<F> Experiment<F> {
     }
 }
 
-/// Experiments as a JSON document: the program's version, whether they were shortened, and each with its rows.
+/// Experiments as a JSON document: the program's version and whether they were shortened, of the last run and of each
+/// experiment, and each with its rows.
 pub fn to_json(version: &str, short: bool, finished: &[Finished]) -> Json {
-    json!({ "version": version, "short": short, "experiments": finished })
+    let one = |one: &Finished| {
+        let mut one = json!(one);
+        one["version"] = version.into();
+        one["short"] = short.into();
+        one
+    };
+    let experiments: Vec<Json> = finished.iter().map(one).collect();
+    json!({ "version": version, "short": short, "experiments": experiments })
+}
+
+/// The document `new`, and of `old`, one of earlier runs, the experiments that `new` hasn't in the same form (short or
+/// not). None if `old` is no such document.
+pub fn merged(old: &Json, new: Json) -> Option<Json> {
+    let mut all = old["experiments"].as_array()?.clone();
+    let of = |one: &Json| Some((one["name"].as_str()?.to_owned(), one["short"].as_bool()));
+    for one in &mut all {
+        // Once the whole document told the form.
+        if one["short"].is_null() {
+            one["short"] = old["short"].clone();
+        }
+        of(one)?;
+    }
+    for one in new["experiments"].as_array()? {
+        match all.iter_mut().find(|other| of(other) == of(one)) {
+            Some(other) => *other = one.clone(),
+            None => all.push(one.clone()),
+        }
+    }
+    Some(json!({ "version": new["version"], "short": new["short"], "experiments": all }))
 }
 
 impl Outcome {
@@ -155,8 +184,11 @@ impl Outcome {
         self.rows.iter().filter(|row| row.met == Some(false))
     }
 
-    /// Adds a chart, to be kept as `file`.
+    /// Adds a chart, to be kept as `file`; none if nothing is in it.
     pub fn chart(&mut self, file: impl Into<String>, chart: Chart) {
+        if chart.series.is_empty() {
+            return;
+        }
         self.charts.push(ChartFile { file: file.into(), chart });
     }
 }
@@ -257,6 +289,37 @@ mod tests {
         assert_eq!(chosen(&["plane", "duck", "plane"]), Ok(vec!["duck", "plane"]));
         assert_eq!(chosen(&[]), chosen(&["all"]));
         assert_eq!(chosen(&["goose"]), Err("unknown experiment `goose`; available: duck, plane".into()));
+    }
+
+    #[test]
+    fn results_of_several_runs_are_kept_together() {
+        let finished = |name, seconds| Finished { name, title: "", seconds, outcome: Outcome::default() };
+        let first = to_json("1", true, &[finished("a", 1.0), finished("b", 2.0)]);
+        let second = merged(&first, to_json("2", true, &[finished("b", 3.0)])).unwrap();
+        let third = merged(&second, to_json("2", false, &[finished("b", 4.0)])).unwrap();
+        let told = |one: &Json| {
+            (one["name"].as_str().unwrap().to_owned(), one["seconds"].as_f64(), one["short"].as_bool())
+        };
+        let all: Vec<_> = third["experiments"].as_array().unwrap().iter().map(told).collect();
+        let [a, b] = ["a", "b"].map(str::to_owned);
+        let wanted =
+            [(a, Some(1.0), Some(true)), (b.clone(), Some(3.0), Some(true)), (b, Some(4.0), Some(false))];
+        assert_eq!(all, wanted);
+        assert_eq!(
+            (&third["experiments"][0]["version"], &third["experiments"][1]["version"]),
+            (&json!("1"), &json!("2"))
+        );
+        // As it was written before.
+        let old = json!({ "version": "0", "short": true, "experiments": [{ "name": "a", "seconds": 9.0 }] });
+        assert_eq!(merged(&old, first.clone()).unwrap()["experiments"].as_array().unwrap().len(), 2);
+        assert_eq!(merged(&json!([1]), first), None);
+    }
+
+    #[test]
+    fn charts_of_nothing_are_left_out() {
+        let mut outcome = Outcome::default();
+        outcome.chart("empty.png", chart("", ["x", ""], ["y", ""], Vec::new()));
+        assert!(outcome.charts.is_empty());
     }
 
     #[test]

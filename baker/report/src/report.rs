@@ -115,11 +115,12 @@ pub fn report(
         return Err(Error::setting("asset", "stores no cells; there is nothing to measure"));
     }
     let solid = mesh.map(|input| Solid::new(asset, input)).transpose()?;
+    let shape = settings.shape.or_else(|| solid.as_ref().and_then(Solid::closed_form));
     let points = samples::band_points(&model.field.grid, &model.cells.band, settings.points, settings.seed);
     let measuring = Measuring {
         model: &model,
         solid: solid.as_ref(),
-        shape: settings.shape,
+        shape,
         mesh_points: settings.mesh_points,
         gl100_mesh_points: settings.gl100_mesh_points,
     };

@@ -11,23 +11,22 @@ use volmap_bake::bake::plan_bake;
 use volmap_bake::input;
 use volmap_formats::asset;
 use volmap_formats::text::bytes;
+use volmap_memory::start_threads;
 use volmap_report::info;
 
 /// Bakes a mesh and says what came of it.
 pub fn run_bake(arguments: &BakeArguments) -> Result<()> {
     let output = arguments.output();
-    if is_same_file(&arguments.mesh, &output) {
+    if arguments.parameters.given.shape.is_none() && is_same_file(&arguments.mesh(), &output) {
         bail!("{}: would overwrite the mesh; name another file with --output", output.display());
     }
     asset::check_target(&output)?;
-    if let Some(threads) = arguments.threads {
-        rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
-    }
+    start_threads(arguments.threads)?;
     let mut progress = Progress::new(arguments.quiet)?;
     let watch = progress.watch();
     let start = Instant::now();
     let recipe = arguments.recipe();
-    let input = input::load(&arguments.mesh, &recipe.input)?;
+    let input = input::load(&arguments.mesh(), &recipe.input)?;
     let read_seconds = start.elapsed().as_secs_f64();
     let planned = plan_bake(input, &recipe.bake, &watch)?;
     planned.plan().into_iter().for_each(|plan| progress.plan(plan));

@@ -8,6 +8,7 @@ use std::io::{self, Write};
 use volmap_bake::area_map::outline::bake_file;
 use volmap_formats::asset::{self, Asset, Value};
 use volmap_formats::text::{bytes, significant, thousands};
+use volmap_memory::start_threads;
 use volmap_report::info;
 
 /// Bakes an outline and says what came of it.
@@ -17,9 +18,7 @@ pub fn run_bake_outline(arguments: &OutlineArguments) -> Result<()> {
         bail!("{}: would overwrite the outline; name another file with --output", output.display());
     }
     asset::check_target(&output)?;
-    if let Some(threads) = arguments.threads {
-        rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
-    }
+    start_threads(arguments.threads)?;
     let mut progress = Progress::new(arguments.quiet)?;
     let watch = progress.watch();
     let baked = bake_file(&arguments.outline, arguments.placement(), &arguments.settings(), &watch)?;

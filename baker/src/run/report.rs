@@ -11,6 +11,7 @@ use volmap_bake::area_map::require_space;
 use volmap_bake::input::{self, Input};
 use volmap_bake::provenance;
 use volmap_formats::asset::{self, Asset};
+use volmap_memory::start_threads;
 use volmap_report::report::findings::Findings;
 use volmap_report::report::page::page;
 use volmap_report::report::{Report, report};
@@ -22,9 +23,7 @@ pub fn run_report(arguments: &ReportArguments) -> Result<ExitCode> {
         return Ok(ExitCode::SUCCESS);
     }
     let Some(path) = &arguments.asset else { bail!("give an asset") };
-    if let Some(threads) = arguments.threads {
-        rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
-    }
+    start_threads(arguments.threads)?;
     check_targets(arguments, path)?;
     let mut progress = Progress::new(arguments.quiet)?;
     let content = asset::read(path)?;
@@ -72,6 +71,9 @@ fn mesh(arguments: &ReportArguments, path: &Path, content: &Asset) -> Result<Opt
     let found = match &arguments.mesh {
         Some(file) => Some(file.clone()),
         None => {
+            if let Some(shape) = provenance::shape(content)? {
+                return Ok(Some(shape));
+            }
             let folder = path.parent().unwrap_or(Path::new(""));
             let found = provenance::find_mesh(content, &[folder, Path::new("")]);
             if let (Some(file), false) = (&found, arguments.quiet) {

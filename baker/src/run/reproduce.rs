@@ -7,6 +7,7 @@ use anyhow::{Error, Result, bail};
 use std::io::{self, Write};
 use volmap_bake::input::{self, InputSettings};
 use volmap_formats::text::duration;
+use volmap_memory::start_threads;
 use volmap_report::experiments::{choose, list, table, to_json};
 use volmap_report::reproduce::{EXPERIMENTS, ReproduceSettings};
 
@@ -16,9 +17,7 @@ pub fn run_reproduce(arguments: &ReproduceArguments) -> Result<()> {
         return Ok(write!(io::stdout().lock(), "{}", list(EXPERIMENTS))?);
     }
     let chosen = choose(EXPERIMENTS, &arguments.experiments).map_err(Error::msg)?;
-    if let Some(threads) = arguments.threads {
-        rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
-    }
+    start_threads(arguments.threads)?;
     let mut settings = ReproduceSettings::default();
     if let Some(path) = &arguments.dragon {
         if !chosen.iter().any(|experiment| experiment.name == "dragon") {

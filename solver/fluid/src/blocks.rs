@@ -4,15 +4,15 @@
 //! What a sum over neighbours reads of the particles of a block and around it is first laid side by side in a table,
 //! so that neighbours have numbers of 16 bits there and stay in the fastest cache.
 
-use crate::cells::{CELLS_OF_TILE, Cells};
+use crate::cells::{CELLS_OF_BRICK, CELLS_OF_TILE, Cells};
 use crate::pairs::table::MOST;
 use glam::IVec3;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Cells of a block, a cube of 4^3; with many particles a whole tile, whose surroundings are the smaller part of its
-/// table.
-const FEW_CELLS: usize = 64;
+/// Cells of a block, a cube of 4^3; with many particles a whole tile where there is one, whose surroundings are the
+/// smaller part of its table.
+const FEW_CELLS: usize = CELLS_OF_BRICK;
 const MANY_CELLS: usize = CELLS_OF_TILE;
 /// From how many particles on; there are then blocks enough for many threads.
 const MANY_PARTICLES: usize = 200_000;
@@ -40,13 +40,15 @@ pub struct TooDense {
 /// # Errors
 /// [`TooDense`]
 pub fn divide(cells: &Cells, particles: usize) -> Result<Vec<CellBlock>, TooDense> {
-    let size = if particles < MANY_PARTICLES { FEW_CELLS } else { MANY_CELLS };
-    let tiles: Vec<Result<Vec<CellBlock>, TooDense>> = (0..cells.tiles())
+    let size = if particles < MANY_PARTICLES { FEW_CELLS } else { MANY_CELLS.min(cells.largest_cube()) };
+    let all = cells.numbers();
+    let tiles: Vec<Result<Vec<CellBlock>, TooDense>> = (0..all.div_ceil(CELLS_OF_TILE))
         .into_par_iter()
         .map(|tile| {
+            let numbers = tile * CELLS_OF_TILE..all.min((tile + 1) * CELLS_OF_TILE);
             let mut out = Vec::new();
-            for part in 0..CELLS_OF_TILE / size {
-                add(cells, tile * CELLS_OF_TILE + part * size, size, &mut out)?;
+            for first in numbers.step_by(size) {
+                add(cells, first, size, &mut out)?;
             }
             Ok(out)
         })

@@ -82,6 +82,8 @@ pub fn bake_made(mesh: TriangleMesh, map: MapSettings) -> Result<Bake, Error> {
         placement: Placement::default(),
         weld_tolerance: 0.0,
         coordinate_step: None,
+        shape: None,
+        placed_shape: None,
     };
     let settings = BakeSettings { map, ..BakeSettings::default() };
     Ok(bake(input, &settings, &Default::default())?)

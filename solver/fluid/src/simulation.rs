@@ -253,7 +253,7 @@ impl Simulation {
         let DVec3 { x, y, z } = self.particles.positions[particle];
         self.stopped(format!(
             "more than {MOST} particles are near each other at ({x:.4}, {y:.4}, {z:.4}): look for fluid that \
-             begins on top of other fluid, or for one far away from the others, and give a smaller domain"
+             begins on top of other fluid, or is pressed together by bodies"
         ))
     }
 

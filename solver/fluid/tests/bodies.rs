@@ -44,6 +44,8 @@ fn thing(mesh: &TriangleMesh, invert: bool, resolution: [u32; 3]) -> Thing {
         placement: Placement::default(),
         weld_tolerance: 0.0,
         coordinate_step: None,
+        shape: None,
+        placed_shape: None,
     };
     let map = MapSettings {
         support_radius: Some(0.1),

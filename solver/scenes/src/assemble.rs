@@ -3,7 +3,10 @@
 use crate::error::Error;
 use crate::scene::{FreeMotion, Keyframe, Motion, Prepared, PreparedBody, Scene, Spin};
 use std::f64::consts::PI;
-use volmap_fluid::bodies::{self, Bodies, BodyDescription, FreeBody, Interpolation, Key, Keys, Path, Weight};
+use volmap_bake::primitive::PlacedPrimitive;
+use volmap_fluid::bodies::{
+    self, Bodies, BodyDescription, FreeBody, Interpolation, Key, Keys, Mass, Path, Weight,
+};
 use volmap_fluid::particles::Particles;
 use volmap_fluid::setup::Setup;
 use volmap_runtime::{DVec3, Pose};
@@ -38,7 +41,7 @@ fn description(body: &PreparedBody) -> BodyDescription {
         map: body.map.clone(),
         mesh: body.mesh.clone(),
         pose: if keyed { Pose::default() } else { body.pose },
-        motion: motion(&body.settings.motion, body.pose),
+        motion: motion(body),
         material: bodies::ContactMaterial { friction: material.friction, restitution: material.restitution },
         fluid_contact: bodies::FluidContact {
             viscosity: material.fluid_viscosity,
@@ -47,16 +50,16 @@ fn description(body: &PreparedBody) -> BodyDescription {
     }
 }
 
-fn motion(motion: &Motion, pose: Pose) -> bodies::Motion {
-    match motion {
+fn motion(body: &PreparedBody) -> bodies::Motion {
+    match &body.settings.motion {
         Motion::Static => bodies::Motion::Static,
         Motion::Keyframes(frames) => bodies::Motion::Prescribed(Path::Keys(Keys {
             keys: frames.iter().map(key).collect(),
             interpolation: Interpolation::Linear,
             repeat: false,
         })),
-        Motion::Spin(spin) => bodies::Motion::Prescribed(Path::Spin(rotation(spin, pose))),
-        Motion::Free(free) => bodies::Motion::Free(free_body(free)),
+        Motion::Spin(spin) => bodies::Motion::Prescribed(Path::Spin(rotation(spin, body.pose))),
+        Motion::Free(free) => bodies::Motion::Free(free_body(free, body.primitive.as_ref())),
     }
 }
 
@@ -72,11 +75,16 @@ fn rotation(spin: &Spin, pose: Pose) -> bodies::Spin {
     }
 }
 
-fn free_body(free: &FreeMotion) -> FreeBody {
+/// Of a shape, mass and inertia are closed forms.
+fn free_body(free: &FreeMotion, shape: Option<&PlacedPrimitive>) -> FreeBody {
+    let density = free.density.unwrap_or(1000.0);
+    let exact = shape.and_then(|shape| Mass::of_shape(shape, density));
     FreeBody {
-        weight: match (free.mass, free.density) {
-            (Some(mass), _) => Weight::Mass(mass),
-            (None, density) => Weight::Density(density.unwrap_or(1000.0)),
+        weight: match (exact, free.mass) {
+            (Some(exact), Some(mass)) => Weight::Known(exact.with_mass(mass)),
+            (Some(exact), None) => Weight::Known(exact),
+            (None, Some(mass)) => Weight::Mass(mass),
+            (None, None) => Weight::Density(density),
         },
         velocity: free.velocity.into(),
         angular_velocity: free.angular_velocity.into(),

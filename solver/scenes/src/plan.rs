@@ -3,6 +3,7 @@
 
 use crate::assemble::assemble;
 use crate::error::Error;
+use crate::scene::memory::Limit;
 use crate::scene::sources::SourceCount;
 use crate::scene::{self, PreparedBody, Scene, SceneSummary, SourceFile, placement, summary};
 use std::path::Path;
@@ -29,7 +30,24 @@ pub struct Plan {
 /// # Errors
 /// As [`scene::prepare()`] and [`Simulation::new`]; a run without fluid until its end.
 pub fn plan(scene: &Scene, end: f64, watch: &Watch, on_bake: &mut dyn FnMut(&Path)) -> Result<Plan, Error> {
-    let prepared = scene::prepare(scene, watch, on_bake)?;
+    plan_within(scene, end, None, watch, on_bake)
+}
+
+/// The same of a run that may need so much memory, bytes.
+///
+/// # Errors
+/// As [`plan()`], and a run or a bake that would need more.
+pub fn plan_within(
+    scene: &Scene,
+    end: f64,
+    max_memory: Option<u64>,
+    watch: &Watch,
+    on_bake: &mut dyn FnMut(&Path),
+) -> Result<Plan, Error> {
+    let prepared = match max_memory {
+        Some(bytes) => scene::prepare_within(scene, Limit { bytes, end }, watch, on_bake)?,
+        None => scene::prepare(scene, watch, on_bake)?,
+    };
     let first = scene.emitters.iter().map(|emitter| emitter.start).fold(f64::INFINITY, f64::min);
     if prepared.particles.positions.is_empty() && first >= end {
         let reason = format!(

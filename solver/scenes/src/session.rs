@@ -11,7 +11,7 @@ use crate::output::folder::Start;
 use crate::output::lock::FolderLock;
 use crate::output::statistics::RunSummary;
 use crate::output::{self, Frame, Output, StepStatistics};
-use crate::plan::{Plan, plan};
+use crate::plan::{Plan, plan_within};
 use crate::resume::{self, Identity};
 use crate::scene::{self, Scene};
 use contents::{
@@ -35,6 +35,8 @@ pub struct RunSettings {
     pub steps: Option<u64>,
     /// Ends at this time, seconds, instead of the scene's.
     pub until: Option<f64>,
+    /// Bytes that the run may need, by the estimate of [`memory`](crate::scene::memory); none: any number.
+    pub max_memory: Option<u64>,
 }
 
 /// How a run begins.
@@ -129,7 +131,8 @@ impl Session {
         scene.validate()?;
         let lock = claim(folder, settings.begin)?;
         let end = settings.until.unwrap_or(scene.stop.time);
-        let Plan { mut simulation, bodies, files, mut notes, .. } = plan(&scene, end, watch, on_bake)?;
+        let Plan { mut simulation, bodies, files, mut notes, .. } =
+            plan_within(&scene, end, settings.max_memory, watch, on_bake)?;
         let identity = Identity::new(&scene, files);
         let meshes = body_meshes(&bodies);
         let beginning = Beginning { scene: &scene, simulation: &simulation, bodies: &bodies };

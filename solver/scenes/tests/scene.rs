@@ -85,10 +85,10 @@ fn toml_and_json_are_the_same() {
     }
 }
 
-/// The table of parameters is that of `volmap bake`; each row is a key here too.
+/// The table of parameters is that of `volmap bake`; each row is a key here too, but for the shape, which is the body's.
 #[test]
 fn every_parameter_of_a_bake_is_a_key() {
-    for row in TABLE {
+    for row in TABLE.iter().filter(|row| row.name != "shape") {
         let mut expected = Parameters::default();
         (row.set)(&mut expected, row.example).unwrap();
         let is_bare = row.is_flag || row.example.parse::<f64>().is_ok();

@@ -41,7 +41,8 @@ fn settings(arguments: &RunArguments) -> RunSettings {
         (_, true) => Begin::Overwrite,
         _ => Begin::New,
     };
-    RunSettings { begin, steps: arguments.steps, until: arguments.until }
+    let max_memory = arguments.max_memory.map(|bytes| bytes.0);
+    RunSettings { begin, steps: arguments.steps, until: arguments.until, max_memory }
 }
 
 fn print_notes(session: &Session) {

@@ -70,6 +70,7 @@ pub fn measure(mesh: &TriangleMesh, settings: &MapSettings, watch: &Watch) -> Re
     let [min, max] = bounds(&mesh);
     let plan = plan(&Extent { min, max, area: diagnosis.area }, settings)?;
     let phi = BoundaryDistance {
+        shape: None,
         mesh: MeshDistance::new(&mesh, SignMethod::Auto, &diagnosis),
         invert: settings.invert,
         thickness: settings.thickness,

@@ -1,6 +1,6 @@
 use super::*;
 use crate::bake::bake;
-use crate::input::from_bytes;
+use crate::input::{Input, from_bytes, from_shape};
 use crate::watch::Watch;
 use std::collections::BTreeSet;
 
@@ -30,7 +30,7 @@ fn parse_json(text: &str) -> serde_json::Result<Parameters> {
 #[test]
 fn every_row_is_complete() {
     let names: BTreeSet<_> = TABLE.iter().map(|row| row.name).collect();
-    assert_eq!((names.len(), TABLE.len()), (25, 25));
+    assert_eq!((names.len(), TABLE.len()), (26, 26));
     for row in TABLE {
         let sentence = row.help.trim();
         assert!(sentence.len() > 10 && !sentence.ends_with('.'), "{}: {sentence}", row.name);
@@ -49,6 +49,14 @@ fn every_row_changes_the_settings_and_the_content_key() {
     }
 }
 
+/// The tetrahedron, or the shape that is asked for.
+fn input(recipe: &Recipe) -> Input {
+    match recipe.input.shape {
+        Some(shape) => from_shape(shape, &recipe.input).unwrap(),
+        None => from_bytes("t.obj".as_ref(), TETRAHEDRON, &recipe.input).unwrap(),
+    }
+}
+
 /// Attributes of a bake, its diagnosis and its file.
 fn asset(parameters: &Parameters) -> (Attributes, Attributes, Vec<u8>) {
     // Small and coarse where nothing else is asked for.
@@ -56,8 +64,7 @@ fn asset(parameters: &Parameters) -> (Attributes, Attributes, Vec<u8>) {
         r#"{"cell_size": 0.4, "support_radius": 0.4, "quadrature": "chord2", "density_quadrature": "gl6"}"#,
     );
     let recipe = parameters.over(&coarse.unwrap()).recipe();
-    let input = from_bytes("t.obj".as_ref(), TETRAHEDRON, &recipe.input).unwrap();
-    let asset = bake(input, &recipe.bake, &Watch::default()).unwrap().asset;
+    let asset = bake(input(&recipe), &recipe.bake, &Watch::default()).unwrap().asset;
     let bytes = volmap_formats::asset::encode(&asset, recipe.compression).unwrap();
     (asset.bake, asset.diagnosis, bytes)
 }
@@ -90,7 +97,7 @@ fn every_row_stands_in_the_asset() {
 fn what_an_asset_says_of_its_placement_is_read_back() {
     for row in TABLE.iter().filter(|row| row.section == Section::Mesh) {
         let recipe = with_needs(row, Some(row.example)).recipe();
-        let input = from_bytes("t.obj".as_ref(), TETRAHEDRON, &recipe.input).unwrap();
+        let input = input(&recipe);
         let settings = recipe.bake;
         let (bake, ..) = asset(&with_needs(row, Some(row.example)));
         let restored = restore(&bake).unwrap();

@@ -3,6 +3,7 @@
 use super::number::{Numbers, Resolution, Scale, Unit};
 use super::part::{RoundingPart, Tolerance};
 use crate::density_map::parse_kernel;
+use crate::primitive::Primitive;
 use crate::volume_map::quadrature::Rule;
 use schemars::JsonSchema;
 use serde::de::DeserializeOwned;
@@ -68,6 +69,7 @@ impl ParameterValue for Tolerance {}
 impl ParameterValue for RoundingPart {}
 impl ParameterValue for Rule {}
 impl ParameterValue for DensityKernel {}
+impl ParameterValue for Primitive {}
 
 /// An SPH kernel that a density map can be baked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,6 +1,7 @@
 //! The signed distance that is baked: that to the mesh, inverted for containers, moved by the thickness.
 
 use super::mesh_distance::{KnownDistance, MeshDistance, Neighbours};
+use crate::primitive::PlacedPrimitive;
 use glam::DVec3;
 
 /// A signed distance that can be sampled.
@@ -71,6 +72,8 @@ impl<D: SignedDistance> SignedDistance for ChangedDistance<'_, D> {
 pub struct BoundaryDistance {
     /// Distance to the mesh.
     pub mesh: MeshDistance,
+    /// The shape that the mesh stands for, whose distance counts then.
+    pub shape: Option<PlacedPrimitive>,
     /// Solid and fluid change places.
     pub invert: bool,
     /// The surface moves outwards from the solid by this, metres.
@@ -79,10 +82,16 @@ pub struct BoundaryDistance {
 
 impl SignedDistance for BoundaryDistance {
     fn near(&self, point: DVec3, known: &mut Option<KnownDistance>) -> f64 {
-        let mut found = self.mesh.distance_near(point, known.as_ref());
-        let to_mesh = self.mesh.side(&mut found) * found.distance;
-        *known = Some(found);
-        (if self.invert { -to_mesh } else { to_mesh }) - self.thickness
+        let distance = match &self.shape {
+            Some(shape) => shape.distance(point),
+            None => {
+                let mut found = self.mesh.distance_near(point, known.as_ref());
+                let to_mesh = self.mesh.side(&mut found) * found.distance;
+                *known = Some(found);
+                to_mesh
+            }
+        };
+        (if self.invert { -distance } else { distance }) - self.thickness
     }
 
     fn of_mesh(&self) -> Option<&BoundaryDistance> {
@@ -90,11 +99,11 @@ impl SignedDistance for BoundaryDistance {
     }
 
     fn has_separate_signs(&self) -> bool {
-        self.thickness == 0.0 && self.mesh.has_integer_winding()
+        self.thickness == 0.0 && self.shape.is_none() && self.mesh.has_integer_winding()
     }
 
     fn size_near(&self, point: DVec3, known: &mut Option<KnownDistance>) -> f64 {
-        if self.thickness != 0.0 {
+        if self.thickness != 0.0 || self.shape.is_some() {
             return self.near(point, known).abs();
         }
         let found = self.mesh.distance_near(point, known.as_ref());
@@ -103,6 +112,9 @@ impl SignedDistance for BoundaryDistance {
     }
 
     fn prepare(&self, points: &[DVec3], known: &mut Neighbours, signed: bool) {
+        if self.shape.is_some() {
+            return;
+        }
         self.mesh.distances_near(points, known);
         if signed {
             self.mesh.sides_near(points.len(), known);

@@ -1,5 +1,6 @@
 //! An asset as the report sees it: its fields in double precision, and the solid that it stands for.
 
+use super::shape::ClosedForm;
 use crate::error::Error;
 use std::f64::consts::PI;
 use volmap_bake::input::Input;
@@ -70,6 +71,12 @@ impl Model {
 }
 
 impl Solid {
+    /// The closed form of its volume, if it is a shape that has one and its surface wasn't moved.
+    pub fn closed_form(&self) -> Option<ClosedForm> {
+        let shape = self.phi.shape.filter(|_| self.phi.thickness == 0.0)?;
+        ClosedForm::of(&shape, self.phi.invert)
+    }
+
     /// The solid of a mesh, made as the asset says that it was baked.
     ///
     /// # Errors
@@ -83,6 +90,7 @@ impl Solid {
         };
         let phi = BoundaryDistance {
             mesh: MeshDistance::new(&input.mesh, sign, &diagnosis),
+            shape: input.placed_shape,
             invert: provenance::flag(asset, "invert")?,
             thickness: provenance::real(asset, "thickness", 0.0)?,
         };

@@ -77,6 +77,7 @@ fn run(run: &Run) -> Result<Outcome, Error> {
     let mut outcome = Outcome::default();
     let mut charts =
         [vec![dots("Martin and Moyce 1952", &FRONT)], vec![dots("Martin and Moyce 1952", &HEIGHT)]];
+    // The short form is too coarse for the targets of the long one, and has its own.
     for (&across, colour) in run.pick(&[12][..], &[20, 40]).iter().zip(&DISTINCT[1..]) {
         (run.progress)(&format!("dam_break: {across} particles across the column"));
         let case = format!("a = {across} particles");
@@ -84,13 +85,20 @@ fn run(run: &Run) -> Result<Outcome, Error> {
         let front = deviations(&measured.front, &FRONT);
         let height = deviations(&measured.height, &HEIGHT);
         let rows = &mut outcome.rows;
-        rows.push(Row::new(&case, "front, rms deviation", "a", front.rms).at_most(0.2));
-        rows.push(Row::new(&case, "front, largest deviation", "a", front.largest).at_most(0.35));
+        rows.push(Row::new(&case, "front, rms deviation", "a", front.rms).at_most(run.pick(0.25, 0.2)));
+        rows.push(
+            Row::new(&case, "front, largest deviation", "a", front.largest).at_most(run.pick(0.42, 0.35)),
+        );
         rows.push(Row::new(&case, "front, mean deviation", "a", front.mean));
         rows.push(Row::new(&case, "front, rms after the gate's delay", "a", front.rms_shifted).at_most(0.1));
         rows.push(Row::new(&case, "the gate's delay", "sqrt(a / g) / n", front.shift));
-        rows.push(Row::new(&case, "height, rms deviation", "n^2 a", height.rms).at_most(0.05));
-        rows.push(Row::new(&case, "height, largest deviation", "n^2 a", height.largest).at_most(0.08));
+        rows.push(
+            Row::new(&case, "height, rms deviation", "n^2 a", height.rms).at_most(run.pick(0.07, 0.05)),
+        );
+        rows.push(
+            Row::new(&case, "height, largest deviation", "n^2 a", height.largest)
+                .at_most(run.pick(0.12, 0.08)),
+        );
         charts[0].push(curve(&case, *colour, measured.front));
         charts[1].push(curve(&case, *colour, measured.height));
     }

@@ -62,6 +62,8 @@ pub enum Weight {
     Density(f64),
     /// kg.
     Mass(f64),
+    /// Mass, centre and inertia, which don't follow from the mesh then.
+    Known(Mass),
 }
 
 /// Contact with other bodies; of two, the mean counts. The fluid has its own.
@@ -133,15 +135,15 @@ impl BodyDescription {
     /// Mass and inertia of a free body: from its mesh, or from its map if it has none that is closed.
     pub(super) fn mass(&self) -> Result<Option<Mass>, String> {
         let Motion::Free(free) = &self.motion else { return Ok(None) };
-        let density = match free.weight {
-            Weight::Density(density) => density,
-            Weight::Mass(_) => 1.0,
+        let of_solid = |density: f64| {
+            let of_mesh = self.mesh.as_ref().and_then(|mesh| Mass::of_mesh(mesh, density));
+            of_mesh.unwrap_or_else(|| Mass::of_map(&self.map, density))
         };
-        let of_mesh = self.mesh.as_ref().and_then(|mesh| Mass::of_mesh(mesh, density));
-        let mut mass = of_mesh.unwrap_or_else(|| Mass::of_map(&self.map, density));
-        if let Weight::Mass(given) = free.weight {
-            mass = mass.with_mass(given);
-        }
+        let mass = match free.weight {
+            Weight::Density(density) => of_solid(density),
+            Weight::Mass(mass) => of_solid(1.0).with_mass(mass),
+            Weight::Known(mass) => mass,
+        };
         match mass.is_usable() {
             true => Ok(Some(mass)),
             false => Err(format!(
@@ -155,7 +157,8 @@ impl BodyDescription {
 
 impl FreeBody {
     fn defect(&self, exterior: Exterior) -> Option<String> {
-        let (Weight::Density(weight) | Weight::Mass(weight)) = self.weight;
+        let (Weight::Density(weight) | Weight::Mass(weight) | Weight::Known(Mass { mass: weight, .. })) =
+            self.weight;
         if exterior == Exterior::Solid {
             return Some("its map is inverted, a container without an outside; it can't move freely".into());
         }

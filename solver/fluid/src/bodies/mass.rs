@@ -4,6 +4,7 @@
 
 use glam::DMat3;
 use rayon::prelude::*;
+use volmap_bake::primitive::{Moments as ShapeMoments, PlacedPrimitive};
 use volmap_formats::mesh::TriangleMesh;
 use volmap_runtime::{DQuat, DVec3, Values, VolumeMap};
 
@@ -91,6 +92,12 @@ impl Mass {
             moments = moments.and(Moments::of_tetrahedron([a, b, c]));
         }
         (open.length() <= 1e-9 * area && moments.volume > 0.0).then(|| moments.mass(origin, density))
+    }
+
+    /// Of a shape, in closed form; none of a plane.
+    pub fn of_shape(shape: &PlacedPrimitive, density: f64) -> Option<Mass> {
+        let ShapeMoments { volume, centre, inertia } = shape.moments()?;
+        Some(Mass { mass: volume * density, volume, centre, inertia: inertia * density })
     }
 
     /// Of a map's solid within its domain, from the distances at parts of its cells. A surface cuts such a

@@ -157,10 +157,42 @@ fn far_and_wide_domains_are_searched() {
     let shift = DVec3::new(1e5, -1e5, 1e5);
     let far: Vec<DVec3> = random_points(500, 0.45, 3).iter().map(|x| *x + shift).collect();
     check(&far, 0.1, 1e-5);
-    // Cells are larger than the radius there, and places 1 km = 10,000 radii from the first one are within 1e-3.
+    // Places 1 km = 10,000 radii from the first one are within 1e-3.
     let mut wide = random_points(200, 0.3, 4);
     wide.extend(random_points(200, 0.3, 5).iter().map(|x| *x + DVec3::new(1e3, 0.0, 0.0)));
     check(&wide, 0.1, 3e-3);
+}
+
+/// Two blobs 40 m apart, and drops on all sides: as all pairs have it, and with as many particles a block.
+#[test]
+fn clusters_that_lie_far_apart_are_searched_as_close_ones() {
+    let near = random_points(1500, 0.45, 11);
+    let there = DVec3::new(40.0, 3.0, -7.0);
+    let mut positions = near.clone();
+    positions.extend(near.iter().map(|x| *x + there));
+    for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
+        positions.extend(random_points(3, 0.1, 12).iter().map(|x| *x - 25.0 * axis));
+        positions.push(60.0 * axis);
+    }
+    // 1,100 radii from the first one.
+    check(&positions, 0.1, 2e-4);
+    let blocks = arrange(&positions, 0.1).neighbours.lists().len();
+    assert!(blocks >= 2 * arrange(&near, 0.1).neighbours.lists().len());
+}
+
+/// So many particles in so wide a box that they would all be in one cell if cells grew with it.
+#[test]
+fn one_drop_far_away_costs_nothing() {
+    let spacing = 0.002;
+    let at = |n: usize| spacing * DVec3::new((n % 40) as f64, (n / 40 % 40) as f64, (n / 1600) as f64);
+    let mut positions: Vec<DVec3> = (0..64_000).map(at).collect();
+    let alone = arrange(&positions, 4e-3).neighbours;
+    positions.push(DVec3::new(0.0, 4.0, 0.0));
+    let with_drop = arrange(&positions, 4e-3).neighbours;
+    assert_eq!(with_drop.entries(), alone.entries());
+    let largest = |neighbours: &Neighbours| neighbours.lists().iter().map(Lists::len).max().unwrap();
+    assert_eq!(largest(&with_drop), 512);
+    assert_eq!(largest(&alone), 512);
 }
 
 #[test]

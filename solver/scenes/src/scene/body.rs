@@ -5,6 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use volmap_bake::parameters::Parameters;
+use volmap_bake::primitive::Primitive;
 use volmap_documents::{At, Checked};
 use volmap_runtime::Pose;
 
@@ -18,7 +19,11 @@ pub struct Body {
     pub map: Option<PathBuf>,
     /// Or a mesh, which is baked on first use.
     pub mesh: Option<PathBuf>,
-    /// How the mesh is baked: parameters of `volmap bake`, with `_` for `-`. The support radius and, for density maps,
+    /// Or a box, sphere, cylinder, capsule or plane, which is baked by its exact distance. A plane is the half-space
+    /// below it, within `domain`; it can't move.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shape: Option<Primitive>,
+    /// How the mesh or the shape is baked: parameters of `volmap bake`, with `_` for `-`. The support radius and, for density maps,
     /// the kernel are the scene's. Default of the cells: a quarter of the support radius; with closure `mirror` an
     /// eighth, and a twelfth for bodies that turn by `motion`.
     pub bake: Parameters,
@@ -133,22 +138,48 @@ pub enum Source<'a> {
     Map(&'a Path),
     /// A mesh and how it is baked.
     Mesh(&'a Path, &'a Parameters),
+    /// A shape and how it is baked.
+    Shape(Primitive, &'a Parameters),
 }
 
 impl<'a> Source<'a> {
     /// The one that is given; `None` unless it is exactly one.
-    pub fn of(map: Option<&'a Path>, mesh: Option<&'a Path>, bake: &'a Parameters) -> Option<Source<'a>> {
-        match (map, mesh) {
-            (Some(map), None) => Some(Source::Map(map)),
-            (None, Some(mesh)) => Some(Source::Mesh(mesh, bake)),
+    pub fn of(
+        map: Option<&'a Path>,
+        mesh: Option<&'a Path>,
+        shape: Option<Primitive>,
+        bake: &'a Parameters,
+    ) -> Option<Source<'a>> {
+        match (map, mesh, shape) {
+            (Some(map), None, None) => Some(Source::Map(map)),
+            (None, Some(mesh), None) => Some(Source::Mesh(mesh, bake)),
+            (None, None, Some(shape)) => Some(Source::Shape(shape, bake)),
             _ => None,
         }
     }
 
-    /// Its file.
+    /// Its file; of a shape its name.
     pub fn path(&self) -> &'a Path {
         match self {
             Source::Map(path) | Source::Mesh(path, _) => path,
+            Source::Shape(shape, _) => Path::new(shape.name()),
+        }
+    }
+
+    /// How it is baked, if it is.
+    pub fn bake(&self) -> Option<&'a Parameters> {
+        match self {
+            Source::Map(_) => None,
+            Source::Mesh(_, bake) | Source::Shape(_, bake) => Some(bake),
+        }
+    }
+
+    /// The scene's key for it.
+    pub fn key(&self) -> &'static str {
+        match self {
+            Source::Map(_) => "map",
+            Source::Mesh(..) => "mesh",
+            Source::Shape(..) => "shape",
         }
     }
 }
@@ -163,9 +194,9 @@ impl Body {
         }
     }
 
-    /// Its map or mesh.
+    /// Its map, mesh or shape.
     pub fn source(&self) -> Option<Source<'_>> {
-        Source::of(self.map.as_deref(), self.mesh.as_deref(), &self.bake)
+        Source::of(self.map.as_deref(), self.mesh.as_deref(), self.shape, &self.bake)
     }
 
     /// Where it is at the start.
@@ -181,7 +212,12 @@ impl Body {
     }
 
     fn check(&self, at: &At) -> Checked {
-        check_source(at, self.map.is_some(), self.mesh.is_some(), &self.bake)?;
+        let given = [self.map.is_some(), self.mesh.is_some(), self.shape.is_some()];
+        check_source(at, given, self.shape, &self.bake)?;
+        let is_plane = self.shape.is_some_and(|shape| shape.is_unbounded());
+        at.require("motion", !is_plane || self.motion == Motion::Static, || {
+            "a plane has no end and no mass: it can't move; take a box".into()
+        })?;
         let plain = |c: char| c.is_alphanumeric() || " _-.+".contains(c);
         let usable = self.name.chars().all(plain) && !self.name.starts_with('.') && self.name.len() <= 100;
         at.require("name", usable, || "use letters, digits, spaces and _-.+: outputs are named so".into())?;
@@ -231,17 +267,33 @@ pub fn names(bodies: &[Body]) -> Vec<String> {
     out
 }
 
-pub(super) fn check_source(at: &At, map: bool, mesh: bool, bake: &Parameters) -> Checked {
-    match (map, mesh) {
-        (false, false) => {
-            return Err(at.problem_here("give `map`, an asset, or `mesh`, a mesh that is baked"));
+/// `given` says of `map`, `mesh` and `shape` whether they are there.
+pub(super) fn check_source(
+    at: &At,
+    given: [bool; 3],
+    shape: Option<Primitive>,
+    bake: &Parameters,
+) -> Checked {
+    match given {
+        [false, false, false] => {
+            return Err(at.problem_here(
+                "give `map`, an asset, or `mesh`, a mesh that is baked, or `shape`, as { sphere = { radius = 0.5 } }",
+            ));
         }
-        (true, true) => return Err(at.problem("mesh", "give `map` or `mesh`, not both")),
-        (true, false) if *bake != Parameters::default() => {
-            return Err(at.problem("bake", "is for meshes; `map` is baked already"));
+        [true, true, _] => return Err(at.problem("mesh", "give `map` or `mesh`, not both")),
+        [true, _, true] | [_, true, true] => {
+            return Err(at.problem("shape", "give `map`, `mesh` or `shape`, one of them"));
+        }
+        [true, ..] if *bake != Parameters::default() => {
+            return Err(at.problem("bake", "is for meshes and shapes; `map` is baked already"));
         }
         _ => {}
     }
+    if let Some(shape) = shape {
+        shape.check().map_err(|reason| at.problem("shape", reason))?;
+    }
+    at.key("bake")
+        .require("shape", bake.shape.is_none(), || "give `shape` beside `bake`, not in it".into())?;
     bake.check().map_err(|mistake| at.key("bake").problem(mistake.key, mistake.reason))
 }
 

@@ -6,6 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use volmap_bake::parameters::Parameters;
+use volmap_bake::primitive::Primitive;
 use volmap_documents::{At, Checked};
 use volmap_fluid::lattice::{self, MAX_PARTICLES};
 use volmap_formats::text::{number, thousands};
@@ -34,7 +35,10 @@ pub struct Fill {
     pub map: Option<PathBuf>,
     /// Or its mesh, which is baked on first use.
     pub mesh: Option<PathBuf>,
-    /// How the mesh is baked: parameters of `volmap bake`, with `_` for `-`.
+    /// Or a box, sphere, cylinder, capsule or plane, with its exact distance.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shape: Option<Primitive>,
+    /// How the mesh or the shape is baked: parameters of `volmap bake`, with `_` for `-`.
     pub bake: Parameters,
     /// Place of the solid's origin, metres.
     pub translation: [f64; 3],
@@ -129,9 +133,9 @@ impl Block {
 }
 
 impl Fill {
-    /// Its map or mesh.
+    /// Its map, mesh or shape.
     pub fn source(&self) -> Option<Source<'_>> {
-        Source::of(self.map.as_deref(), self.mesh.as_deref(), &self.bake)
+        Source::of(self.map.as_deref(), self.mesh.as_deref(), self.shape, &self.bake)
     }
 
     /// Where the solid is.
@@ -140,7 +144,8 @@ impl Fill {
     }
 
     pub(super) fn check(&self, at: &At) -> Checked {
-        check_source(at, self.map.is_some(), self.mesh.is_some(), &self.bake)?;
+        let given = [self.map.is_some(), self.mesh.is_some(), self.shape.is_some()];
+        check_source(at, given, self.shape, &self.bake)?;
         at.vector("translation", self.translation)?;
         self.rotation.check(&at.key("rotation"))?;
         if let Some(within) = &self.within {

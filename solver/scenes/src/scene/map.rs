@@ -1,6 +1,7 @@
 //! From a body's file to its volume map: opened, or baked on first use and kept in a cache.
 
 use super::body::{Body, Source};
+use super::numbers::Region;
 use crate::error::Error;
 use crate::output::io_error;
 use std::path::{Path, PathBuf};
@@ -11,6 +12,7 @@ use volmap_bake::input::{self, Input};
 use volmap_bake::mesh::prepare;
 use volmap_bake::parameters::{DensityKernel, Group, Parameters};
 use volmap_bake::plan::GridChoice;
+use volmap_bake::primitive::{PlacedPrimitive, Primitive};
 use volmap_bake::recipe::Recipe;
 use volmap_bake::sdf::{MeshDistance, SignMethod};
 use volmap_bake::watch::Watch;
@@ -19,7 +21,7 @@ use volmap_fluid::settings::{BoundaryMethod, World};
 use volmap_formats::asset::{self, Asset, Exterior, Value};
 use volmap_formats::mesh::TriangleMesh;
 use volmap_formats::text::printable_line;
-use volmap_runtime::{ClosureKind, Dimension, KernelKind, VolumeMap};
+use volmap_runtime::{ClosureKind, DVec3, Dimension, KernelKind, Pose, VolumeMap};
 
 /// Part by which a map's support radius may differ from the scene's: other programs store it in single
 /// precision.
@@ -35,6 +37,8 @@ pub struct Shape {
     /// Its surface: that of the union where parts of the mesh overlap. It encloses the mass, and bears boundary
     /// particles.
     pub surface: Option<Arc<TriangleMesh>>,
+    /// The shape that the mesh stands for.
+    pub primitive: Option<PlacedPrimitive>,
     /// Where the map comes from.
     pub origin: Origin,
     /// BLAKE3 of the map's bytes, or of the content key of the mesh and its bake.
@@ -63,6 +67,10 @@ pub struct Library<'a> {
     cell_size_of_turning: f64,
     /// The kernel whose density bodies need in their maps, if they need one.
     density: Option<KernelKind>,
+    /// The scene's: how far planes reach.
+    domain: Option<Region>,
+    /// Bytes that a bake may need; none: as many as by default.
+    max_memory: Option<u64>,
     cache: PathBuf,
     shapes: Vec<(String, Shape)>,
     /// What went wrong without harm.
@@ -108,6 +116,8 @@ impl<'a> Library<'a> {
             cell_size: closure.cell_size(world.support_radius),
             cell_size_of_turning: closure.cell_size_of_turning(world.support_radius),
             density,
+            domain: None,
+            max_memory: None,
             cache,
             shapes: Vec::new(),
             notes: Vec::new(),
@@ -116,9 +126,35 @@ impl<'a> Library<'a> {
         }
     }
 
+    /// Planes reach as far as this.
+    pub fn within(self, domain: Option<Region>) -> Library<'a> {
+        Library { domain, ..self }
+    }
+
+    /// Bakes may need so many bytes.
+    pub fn with_memory(self, bytes: u64) -> Library<'a> {
+        Library { max_memory: Some(bytes), ..self }
+    }
+
+    /// A plane in the frame of a body or a solid with this pose, as far as the scene's domain; other shapes as they
+    /// are.
+    pub fn bounded(&self, shape: Option<Primitive>, pose: Pose) -> Option<Primitive> {
+        let corners = self.domain.map(|domain| {
+            let [min, max] = domain.corners();
+            let corner =
+                |n: usize| DVec3::from([0, 1, 2].map(|k| if n >> k & 1 == 1 { max[k] } else { min[k] }));
+            let own = (0..8).map(|n| pose.rotation.conjugate() * (corner(n) - pose.translation));
+            let nothing = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+            let (low, high) = own.fold(nothing, |(low, high), x| (low.min(x), high.max(x)));
+            [low.to_array(), high.to_array()]
+        });
+        shape.map(|shape| shape.within(corners))
+    }
+
     /// The body with the cells that its map needs, if it leaves them open.
     pub fn with_cells(&self, body: &Body) -> Body {
         let mut body = body.clone();
+        body.shape = self.bounded(body.shape, body.pose());
         if body.turns() && !body.bake.gives(Group::Cells) {
             body.bake.cell_size = Some(self.cell_size_of_turning);
         }
@@ -141,8 +177,8 @@ impl<'a> Library<'a> {
         density: Option<KernelKind>,
     ) -> Result<Shape, Error> {
         let path = source.path();
-        if !path.is_file() {
-            let what = if matches!(source, Source::Map(_)) { "map" } else { "mesh" };
+        if !matches!(source, Source::Shape(..)) && !path.is_file() {
+            let what = source.key();
             let reason = format!("there is no file {}; paths are relative to the scene file", path.display());
             return Err(Error::Scene { place: format!("{key}.{what}"), reason });
         }
@@ -152,7 +188,11 @@ impl<'a> Library<'a> {
         }
         let shape = match source {
             Source::Map(path) => self.open_asset(path)?,
-            Source::Mesh(path, settings) => self.bake_or_open(path, settings, density)?,
+            Source::Mesh(path, given) => self.bake_or_open(path, given, density)?,
+            Source::Shape(shape, given) => {
+                let given = Parameters { shape: Some(shape), ..given.clone() };
+                self.bake_or_open(path, &given, density).map_err(|error| of_shape(error, key))?
+            }
         };
         self.shapes.push((identity, shape.clone()));
         Ok(shape)
@@ -163,7 +203,7 @@ impl<'a> Library<'a> {
     /// # Errors
     /// As [`Library::obtain`], and a map of another radius, or without the density that is needed.
     pub fn obtain_for_body(&mut self, source: Source, key: &str) -> Result<Shape, Error> {
-        if let Source::Mesh(_, given) = source {
+        if let Some(given) = source.bake() {
             self.check_given(given, &format!("{key}.bake"))?;
         }
         let shape = self.obtain_with(source, key, self.density)?;
@@ -265,10 +305,11 @@ impl<'a> Library<'a> {
         };
         let prepared = prepare(&mut input.mesh, recipe.bake.keep_orientation);
         let union = MeshDistance::new(&input.mesh, SignMethod::Auto, &prepared.diagnosis).union_mesh();
+        let primitive = input.placed_shape;
         let mesh = Arc::new(input.mesh);
         let surface = union.map_or(mesh.clone(), Arc::new);
         let content = *blake3::hash(key.as_bytes()).as_bytes();
-        Ok(Shape { map: Arc::new(map), mesh: Some(mesh), surface: Some(surface), origin, content })
+        Ok(Shape { map: Arc::new(map), mesh: Some(mesh), surface: Some(surface), primitive, origin, content })
     }
 
     /// Bakes, and keeps what came of it if it can.
@@ -304,7 +345,14 @@ impl<'a> Library<'a> {
             return Err(Error::Scene { place: path.display().to_string(), reason: reason.into() });
         }
         self.note_warnings(path, &asset);
-        Ok(Shape { map: Arc::new(map), mesh: None, surface: None, origin: Origin::Asset, content })
+        Ok(Shape {
+            map: Arc::new(map),
+            mesh: None,
+            surface: None,
+            primitive: None,
+            origin: Origin::Asset,
+            content,
+        })
     }
 
     /// What the bake said of the mesh, which stands in the asset: told each time, not only when it was baked.
@@ -324,6 +372,7 @@ impl<'a> Library<'a> {
         let mut recipe = given.recipe();
         let map = &mut recipe.bake.map;
         map.support_radius.get_or_insert(self.support_radius);
+        map.max_memory = self.max_memory.unwrap_or(map.max_memory);
         if map.grid == GridChoice::FromRadius {
             map.grid = GridChoice::CellSize(self.cell_size);
         }
@@ -354,4 +403,15 @@ fn cannot_bake(path: &Path, error: volmap_bake::Error) -> Error {
         other => return Error::Bake(other),
     };
     Error::Scene { place: path.display().to_string(), reason: format!("can't be baked: {reason}") }
+}
+
+/// What is wrong with a shape or its placement, with the scene's keys.
+fn of_shape(error: Error, key: &str) -> Error {
+    match error {
+        Error::Bake(volmap_bake::Error::Setting { parameter, reason }) => {
+            let place = if parameter == "shape" { "shape".to_owned() } else { format!("bake.{parameter}") };
+            Error::Scene { place: format!("{key}.{place}"), reason }
+        }
+        other => other,
+    }
 }

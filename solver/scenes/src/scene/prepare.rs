@@ -3,7 +3,9 @@
 use super::Scene;
 use super::body::{self, Body, Source};
 use super::fluid::EmitterSettings;
+use super::fluid::Fill;
 use super::map::{Library, Origin, Shape, default_cache};
+use super::memory::{Limit, of_maps};
 use super::nozzle;
 use super::overlap::{BODY_MARGIN, drop_in_bodies};
 use super::sources::{self, PlacedParticles, Solid, SourceCount};
@@ -11,7 +13,8 @@ use crate::error::Error;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use volmap_bake::mesh::diagnose;
-use volmap_bake::sdf::{MeshDistance, SignMethod};
+use volmap_bake::primitive::PlacedPrimitive;
+use volmap_bake::sdf::{BoundaryDistance, MeshDistance, SignMethod};
 use volmap_bake::watch::Watch;
 use volmap_fluid::boundary::particles;
 use volmap_fluid::emitter::Emitter;
@@ -53,6 +56,8 @@ pub struct PreparedBody {
     pub map: Arc<VolumeMap>,
     /// Its mesh in the map's frame, if it was baked from one.
     pub mesh: Option<Arc<TriangleMesh>>,
+    /// The shape that the mesh stands for, in the map's frame.
+    pub primitive: Option<PlacedPrimitive>,
     /// Particles on its surface, with particle boundaries.
     pub boundary_particles: Option<u64>,
     /// Where the map comes from.
@@ -79,7 +84,31 @@ impl PreparedBody {
 pub fn prepare(scene: &Scene, watch: &Watch, on_bake: &mut dyn FnMut(&Path)) -> Result<Prepared, Error> {
     scene.validate()?;
     let cache = scene.cache.clone().unwrap_or_else(default_cache);
-    let mut library = Library::new(&scene.world(), cache, watch, on_bake);
+    prepare_from(scene, Library::new(&scene.world(), cache, watch, on_bake))
+}
+
+/// The same of a scene whose run and bakes may need so much memory.
+///
+/// # Errors
+/// As [`prepare`], and a run or a bake that would need more.
+pub fn prepare_within(
+    scene: &Scene,
+    limit: Limit,
+    watch: &Watch,
+    on_bake: &mut dyn FnMut(&Path),
+) -> Result<Prepared, Error> {
+    scene.validate()?;
+    limit.check_scene(scene)?;
+    let cache = scene.cache.clone().unwrap_or_else(default_cache);
+    let library = Library::new(&scene.world(), cache, watch, on_bake).with_memory(limit.bytes);
+    let prepared = prepare_from(scene, library)?;
+    let maps = of_maps(prepared.bodies.iter().map(|body| &body.map));
+    limit.check(scene, prepared.particles.positions.len() as u64, maps)?;
+    Ok(prepared)
+}
+
+fn prepare_from(scene: &Scene, library: Library) -> Result<Prepared, Error> {
+    let mut library = library.within(scene.domain);
     let mut files = Vec::new();
     let bodies = prepare_bodies(scene, &mut library, &mut files)?;
     let solids = prepare_solids(scene, &mut library, &mut files)?;
@@ -104,13 +133,15 @@ fn prepare_bodies(
         let key = format!("bodies[{i}]");
         let baked = library.with_cells(settings);
         let source = given(baked.source(), &key)?;
-        let Shape { map, surface: mesh, origin, content, .. } = library.obtain_for_body(source, &key)?;
+        let Shape { map, surface: mesh, primitive, origin, content, .. } =
+            library.obtain_for_body(source, &key)?;
         files.push(SourceFile { path: source.path().to_owned(), content });
         bodies.push(PreparedBody {
             boundary_particles: count_particles(scene, mesh.as_deref(), &key)?,
             name,
             map,
             mesh,
+            primitive,
             origin,
             pose: settings.pose(),
             settings: settings.clone(),
@@ -128,10 +159,16 @@ fn prepare_solids(
     let mut solids = Vec::new();
     for (i, fill) in scene.fills.iter().enumerate() {
         let key = format!("fills[{i}]");
+        let fill = &Fill { shape: library.bounded(fill.shape, fill.pose()), ..fill.clone() };
         let source = given(fill.source(), &key)?;
-        let Shape { map, mesh, content, .. } = library.obtain(source, &key)?;
+        let Shape { map, mesh, primitive, content, .. } = library.obtain(source, &key)?;
         files.push(SourceFile { path: source.path().to_owned(), content });
-        let mesh = mesh.map(|mesh| MeshDistance::new(&mesh, SignMethod::Auto, &diagnose(&mesh)));
+        let mesh = mesh.map(|mesh| BoundaryDistance {
+            mesh: MeshDistance::new(&mesh, SignMethod::Auto, &diagnose(&mesh)),
+            shape: primitive,
+            invert: false,
+            thickness: 0.0,
+        });
         let map = PosedMap { map, pose: fill.pose() };
         solids.push(Solid { map, mesh, thickness: fill.bake.thickness.unwrap_or(0.0) });
     }
@@ -148,7 +185,7 @@ fn count_particles(scene: &Scene, mesh: Option<&TriangleMesh>, key: &str) -> Res
 }
 
 fn given<'a>(source: Option<Source<'a>>, key: &str) -> Result<Source<'a>, Error> {
-    let reason = "give `map` or `mesh`";
+    let reason = "give `map`, `mesh` or `shape`";
     source.ok_or_else(|| Error::Scene { place: key.to_owned(), reason: reason.into() })
 }
 

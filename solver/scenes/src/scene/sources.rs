@@ -6,7 +6,7 @@ use super::overlap::{BODY_MARGIN, Placed, bounds, drop_in_bodies, drop_outside};
 use crate::error::Error;
 use glam::{BVec3, DVec3};
 use serde::Serialize;
-use volmap_bake::sdf::MeshDistance;
+use volmap_bake::sdf::{BoundaryDistance, SignedDistance};
 use volmap_fluid::lattice::{self, MAX_PARTICLES};
 use volmap_formats::asset::Exterior;
 use volmap_formats::text::{number, thousands};
@@ -26,7 +26,7 @@ pub struct Solid {
     pub map: PosedMap,
     /// Its mesh in the map's frame, if there is one. It is more exact than the map in the corners of a box, where
     /// particles must fit.
-    pub mesh: Option<MeshDistance>,
+    pub mesh: Option<BoundaryDistance>,
     /// Offset of the map's surface from the mesh, out of the solid, metres.
     pub thickness: f64,
 }
@@ -176,7 +176,7 @@ fn has_room(solid: &Solid, point: DVec3, distance: f64, rp: f64) -> bool {
     match &solid.mesh {
         Some(mesh) if depth.abs() < 2.0 * rp => {
             // Inside the mesh is the solid, or the hollow of a container: both are filled.
-            let inside = -mesh.signed_distance(solid.map.pose.to_map(point));
+            let inside = -mesh.at(solid.map.pose.to_map(point));
             inside - side * solid.thickness >= rp * (1.0 - 1e-6)
         }
         Some(_) => depth > 0.0,

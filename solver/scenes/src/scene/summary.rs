@@ -2,6 +2,7 @@
 
 use super::body::{self, Body, Motion};
 use super::map::{Origin, read_mesh};
+use super::memory::{BYTES_OF_PROGRAM, BYTES_PER_PARTICLE, of_maps};
 use super::nozzle;
 use super::prepare::PreparedBody;
 use super::sources::SourceCount;
@@ -17,10 +18,6 @@ use volmap_fluid::settings::BoundaryMethod;
 use volmap_formats::mesh::TriangleMesh;
 use volmap_formats::text::{bytes, duration, number, significant, thousands};
 
-/// Peak memory of a run per particle, measured at 60 thousand to 3 million particles (600 to 720:
-/// solver/BENCHMARKS.md), and of the program itself.
-const BYTES_PER_PARTICLE: u64 = 700;
-const BYTES_OF_PROGRAM: u64 = 30_000_000;
 /// Seconds per particle and step, measured at 60 thousand to 3 million particles (0.23 to 0.28e-6:
 /// solver/BENCHMARKS.md) with [`ITERATIONS`] on two threads of an AMD EPYC (Zen 5). Other scenes and machines are up to
 /// several times faster or slower.
@@ -205,10 +202,7 @@ pub fn summarize(
     }
     out.add_emitters(scene);
     out.estimate(scene, total);
-    let mut maps: Vec<_> = bodies.iter().map(|body| &body.map).collect();
-    maps.sort_by_key(|map| std::sync::Arc::as_ptr(map));
-    maps.dedup_by(|a, b| std::sync::Arc::ptr_eq(a, b));
-    out.memory += maps.iter().map(|map| map.memory_bytes() as u64).sum::<u64>();
+    out.memory += of_maps(bodies.iter().map(|body| &body.map));
     out
 }
 
