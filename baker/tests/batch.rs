@@ -250,10 +250,99 @@ fn gates_hold_assets_back() {
     // It isn't baked again to be refused again, nor to be taken when its gates are wider.
     place.batch("out", &[]);
     assert_eq!(place.asset("out", "a")["reason"], "up to date: same mesh, parameters and program");
-    place.write("assets.toml", &format!("version = 1\n{SOME}"));
+    let wide = format!("{SOME}gates = {{ max_sign_disagreements = \"10%\" }}\n");
+    place.write("assets.toml", &format!("version = 1\n{wide}"));
     let (code, text) = place.batch("out", &[]);
     assert_eq!((code, &*place.outcomes("out")["a"]), (Some(0), "reused"), "{text}");
     assert!(!place.at("out/rejected/a.h5").exists());
+}
+
+const SHEET: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 4 3\n";
+
+#[test]
+fn maps_without_a_solid_or_with_signs_in_doubt_are_doubtful() {
+    let place = Place::new(&[("good", 1.0)], SOME);
+    place.write("meshes/sheet.obj", SHEET);
+    place.write("meshes/open.obj", &box_mesh(1.0).replace("f 2 4 8 6\n", ""));
+    let (code, text) = place.batch("out", &[]);
+    assert_eq!(code, Some(1), "{text}");
+    let outcomes = place.outcomes("out");
+    let of = |name: &str| outcomes[name].as_str();
+    assert_eq!([of("good"), of("sheet"), of("open")], ["built", "doubtful", "doubtful"]);
+    assert_eq!(place.summary("out")["counts"]["doubtful"], 2);
+    let gates = |name: &str| place.asset("out", name)["failed_gates"].to_string();
+    assert!(gates("sheet").contains("must_have_solid") && gates("sheet").contains("max_sign_disagreements"));
+    assert!(!gates("open").contains("must_have_solid") && gates("open").contains("more than 1 %"), "{text}");
+    assert!(place.at("out/rejected/sheet.h5").exists() && !place.at("out/sheet.h5").exists());
+    // Told in the log, with the warnings, and first on the page.
+    assert!(
+        text.contains("doubtful   sheet: ") && text.contains("assets     3: 1 built, 2 doubtful"),
+        "{text}"
+    );
+    assert!(text.contains("           warning: no node lies inside: the map has no solid"), "{text}");
+    assert!(text.contains("\nwarnings   ") && text.contains(" in 2 assets\n"), "{text}");
+    let page = std::fs::read_to_string(place.at("out/summary.html")).unwrap();
+    assert!(
+        page.contains("<h2>Failed, rejected and doubtful</h2>") && page.contains("must_have_solid: no node")
+    );
+    assert!(page.find("Failed, rejected and doubtful") < page.find(">Assets<"));
+
+    // Again they aren't baked, and still aren't good; nor for `verify`.
+    let (code, _) = place.batch("out", &[]);
+    assert_eq!((code, &*place.outcomes("out")["sheet"]), (Some(1), "doubtful"));
+    let done = place.run(&["verify", "out"]);
+    let text = String::from_utf8(done.stdout).unwrap();
+    assert_eq!(done.status.code(), Some(1), "{text}");
+    assert!(
+        text.contains("sheet: doubtful: must_have_solid: ") && text.contains("1 of 3 assets are good"),
+        "{text}"
+    );
+    let json = place.run(&["verify", "out", "--json"]).stdout;
+    let found: Value = serde_json::from_slice(&json).unwrap();
+    assert_eq!((&found[0]["standing"], &found[2]["standing"]), (&"good".into(), &"doubtful".into()));
+
+    // The manifest can allow both; another gate's refusal is no doubt.
+    let allow = "gates = { must_have_solid = false, max_sign_disagreements = \"100%\" }\n";
+    place.write("assets.toml", &format!("version = 1\n{SOME}{allow}"));
+    let (code, text) = place.batch("out", &[]);
+    assert_eq!((code, &*place.outcomes("out")["sheet"]), (Some(0), "reused"), "{text}");
+    place.write("assets.toml", &format!("version = 1\n{SOME}gates = {{ must_be_closed = true }}\n"));
+    place.batch("fresh", &[]);
+    assert_eq!(place.outcomes("fresh")["sheet"], "rejected");
+}
+
+#[test]
+fn a_bake_warns_of_what_is_doubtful() {
+    let place = Place::new(&[], "");
+    place.write("open.obj", &box_mesh(1.0).replace("f 2 4 8 6\n", ""));
+    let done = place.run(&["bake", "open.obj", "--support-radius", "0.25"]);
+    let text = String::from_utf8(done.stdout).unwrap();
+    assert!(done.status.success() && text.contains("warning    the sign is in doubt at about "), "{text}");
+    place.write("sheet.obj", SHEET);
+    let text = String::from_utf8(place.run(&["bake", "sheet.obj"]).stdout).unwrap();
+    assert!(text.contains("warning    no node lies inside: the map has no solid"), "{text}");
+}
+
+#[test]
+fn the_page_grows_while_the_batch_is_at_work() {
+    let place = Place::new(&[("a", 1.0), ("b", 1.5)], SOME);
+    let slow = "[[assets]]\nmesh = \"meshes/b.obj\"\nbake = { cell_size = 0.008, quadrature = \"gl30\" }\n";
+    place.batch("out", &[]);
+    // The long one is begun first.
+    place.write("assets.toml", &format!("version = 1\n{SOME}{slow}"));
+    let mut batch = place.command(&["batch", "assets.toml", "--out", "out", "--jobs", "1"]).spawn().unwrap();
+    let page = || std::fs::read_to_string(place.at("out/summary.html")).unwrap();
+    while !page().contains("At work: 1 of 2 done") && batch.try_wait().unwrap().is_none() {
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    let found = page();
+    batch.kill().unwrap();
+    batch.wait().unwrap();
+    assert!(found.contains("At work: 1 of 2 done") && found.contains("http-equiv=\"refresh\""), "{found}");
+    assert!(found.contains(">unchanged<") && found.contains(">in work<") || found.contains(">to do<"));
+    place.write("assets.toml", &format!("version = 1\n{SOME}"));
+    place.batch("out", &[]);
+    assert!(page().contains("2 of 2") && !page().contains("At work"));
 }
 
 #[test]

@@ -16,16 +16,15 @@
 use crate::clock::Clock;
 use crate::density_map::compute_density;
 use crate::describe;
+use crate::doubt::compare_at_nodes;
 use crate::error::Error;
 use crate::input::{Input, bounds};
 use crate::maps::{Maps, compute_maps};
 use crate::mesh::{Diagnosis, OrientationRepair, Prepared, prepare};
 use crate::plan::{Extent, Plan, plan};
 pub use crate::recipe::BakeSettings;
-use crate::rows::positions;
-use crate::sdf::{
-    BoundaryDistance, ChangedDistance, MeshDistance, SignComparison, SignedDistance, compare_signs,
-};
+use crate::sdf::leaks::leaks;
+use crate::sdf::{BoundaryDistance, ChangedDistance, MeshDistance, SignComparison, SignedDistance};
 use crate::settings::{GridChoice, MapSettings};
 use crate::stage::Stage;
 use crate::storage::{field_bytes, stored_asset};
@@ -130,10 +129,7 @@ impl PlannedBake {
         if let Some(density) = &map.density {
             maps.density = Some(compute_density(&plan, density, &phi, &maps, watch)?);
         }
-        let sign_comparison = match self.settings.check_sign {
-            true => Some(compare_at_nodes(&phi, &plan, &maps, watch)?),
-            false => None,
-        };
+        let sign_comparison = compare_at_nodes(&phi, &plan, &maps, self.settings.check_sign, watch)?;
         self.clock.stop();
         self.described(BakedMaps { phi, plan, maps, tolerance, sign_comparison })
     }
@@ -164,6 +160,8 @@ impl PlannedBake {
             diagnosis,
             repair,
             sign: phi.mesh.sign_choice().clone(),
+            has_exact_sign: phi.mesh.has_integer_winding(),
+            leaks: leaks(plan.grid.resolution, &maps.cells),
             sign_comparison,
             cells: CellCounts::of(&plan, &maps),
             nodes: maps.nodes.count(),
@@ -198,18 +196,6 @@ struct BakedMaps {
     maps: Maps,
     tolerance: Option<Found>,
     sign_comparison: Option<SignComparison>,
-}
-
-/// Both signs at the nodes.
-fn compare_at_nodes(
-    phi: &BoundaryDistance,
-    plan: &Plan,
-    maps: &Maps,
-    watch: &Watch,
-) -> Result<SignComparison, Error> {
-    let work = watch.begin(Stage::CheckSign.step(), maps.nodes.count() as u64)?;
-    let nodes: Vec<_> = positions(&maps.nodes, &plan.grid).collect();
-    Ok(compare_signs(&phi.mesh, &nodes, &work)?)
 }
 
 /// Bakes any signed distance `phi`: metres, 1-Lipschitz, negative inside the solid. Its zero surface lies in the box of

@@ -1,15 +1,16 @@
 //! What a bake says of itself: the informative attributes of the asset, and warnings.
 //! Nothing here may depend on time or threads.
 
+use crate::doubt::{MAX_SIGN_DISAGREEMENTS, has_solid};
 use crate::input::Input;
 use crate::maps::Maps;
 use crate::parameters::{self, Baked};
 use crate::recipe::BakeSettings;
-use crate::sdf::leaks::leaks;
 use crate::summary::Summary;
 use crate::tolerance::MeasuredError;
 use crate::volume_map::quadrature::Rule;
 use volmap_formats::asset::{Attributes, Value};
+use volmap_formats::text::percent;
 
 fn attributes<const N: usize>(pairs: [(&str, Value); N]) -> Attributes {
     pairs.map(|(name, value)| (name.to_owned(), value)).into()
@@ -61,6 +62,9 @@ pub fn source(input: &Input, summary: &Summary) -> Attributes {
     ])
 }
 
+/// Name of what the diagnosis says of signs that aren't exact: the part of the nodes at which they are in doubt.
+pub const SIGN_DOUBT: &str = "sign_doubt";
+
 /// What was found of the mesh.
 pub fn diagnosis(summary: &Summary) -> Attributes {
     let (found, repair, cleaning) = (&summary.diagnosis, &summary.repair, &summary.cleaning);
@@ -94,6 +98,9 @@ pub fn diagnosis(summary: &Summary) -> Attributes {
         out.insert("sign_points".into(), count(signs.points));
         out.insert("sign_disagreements".into(), count(signs.disagreeing));
     }
+    if !summary.has_exact_sign {
+        out.insert(SIGN_DOUBT.into(), summary.sign_doubt().into());
+    }
     out
 }
 
@@ -102,7 +109,7 @@ pub fn diagnosis(summary: &Summary) -> Attributes {
 pub fn warnings(summary: &Summary, maps: &Maps, settings: &BakeSettings) -> Vec<String> {
     let mut out = Vec::new();
     mesh_warnings(summary, &mut out);
-    sign_warnings(summary, maps, &mut out);
+    sign_warnings(summary, maps, settings.check_sign, &mut out);
     let [low, high] = summary.plan.cut;
     let cut = low.iter().chain(&high).copied().fold(0.0, f64::max);
     if cut > 0.0 {
@@ -167,26 +174,33 @@ fn mesh_warnings(summary: &Summary, out: &mut Vec<String>) {
     }
 }
 
-fn sign_warnings(summary: &Summary, maps: &Maps, out: &mut Vec<String>) {
-    // Sheets have nodes that rounding puts inside.
-    let inside = -1e-9 * summary.plan.support_radius;
-    if !maps.distance.iter().any(|phi| *phi < inside) {
+fn sign_warnings(summary: &Summary, maps: &Maps, all_compared: bool, out: &mut Vec<String>) {
+    if !has_solid(maps.distance.iter().copied(), summary.plan.support_radius) {
         out.push(
             "no node lies inside: the map has no solid; give sheets a --thickness, and thin parts smaller \
             cells"
                 .into(),
         );
     }
-    let leaks = leaks(summary.plan.grid.resolution, &maps.cells);
+    let leaks = summary.leaks;
     if leaks > 0 {
         out.push(format!(
             "inside meets outside away from the surface at {leaks} cell faces: a hole is wider than the band; \
              close the mesh or enlarge the support radius"
         ));
     }
-    if let Some(signs) = summary.sign_comparison.as_ref().filter(|signs| signs.disagreeing > 0) {
-        let worst = signs.worst.first().map(|(at, distance)| (place(&[*at]), *distance));
-        let (at, distance) = worst.unwrap_or_default();
+    let signs = summary.sign_comparison.as_ref();
+    let worst = signs.and_then(|signs| signs.worst.first()).map(|(at, distance)| (place(&[*at]), *distance));
+    let (at, distance) = worst.unwrap_or_default();
+    let doubt = summary.sign_doubt();
+    if doubt > MAX_SIGN_DISAGREEMENTS {
+        out.push(format!(
+            "the sign is in doubt at about {} of the nodes, up to {distance:.4} m from the surface{at}; close the \
+             holes, or turn the faces one way round",
+            percent(doubt)
+        ));
+    }
+    if let Some(signs) = signs.filter(|signs| all_compared && signs.disagreeing > 0) {
         out.push(format!(
             "pseudonormals and winding numbers differ at {} of {} nodes, the farthest {distance:.4} m from the \
              surface{at}",

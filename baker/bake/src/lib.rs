@@ -77,6 +77,7 @@ mod clock;
 pub mod content_key;
 pub mod density_map;
 pub mod describe;
+pub mod doubt;
 pub mod error;
 pub mod input;
 pub mod iso_surface;

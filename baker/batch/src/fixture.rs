@@ -35,6 +35,8 @@ pub fn asset(position: usize, name: &str) -> AssetReport {
             volume_error_max: Some(0.0042),
             volume_error_rms: Some(0.0007),
             volume_error_points: 1000,
+            has_solid: true,
+            sign_doubt: 0.0,
             warnings: Vec::new(),
         }),
         preview: None,

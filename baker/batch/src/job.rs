@@ -1,5 +1,6 @@
 //! The protocol between a batch and its workers, a line of JSON each: jobs one way, replies the other.
 
+use super::gates::FailedGate;
 use super::manifest::Gates;
 use super::summary::Figures;
 use serde::{Deserialize, Serialize};
@@ -123,7 +124,7 @@ pub struct MakeResult {
     /// Not baked, but taken from this candidate.
     pub from: Option<PathBuf>,
     /// Gates that refused it.
-    pub failed_gates: Vec<String>,
+    pub failed_gates: Vec<FailedGate>,
     /// What it is like.
     pub figures: Figures,
     /// Size of its file.

@@ -67,10 +67,15 @@ pub struct Rules {
     pub report: Option<bool>,
 }
 
-/// What an asset must pass. Without any of it every asset is good that could be baked.
+/// What an asset must pass. The first two hold unless they are given: what fails them alone is doubtful.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default, expecting = "give a table")]
 pub struct Gates {
+    /// A node of the map must lie in the solid. Default: true; false for maps that shall have none.
+    pub must_have_solid: Option<bool>,
+    /// Largest part of the nodes at which the sign may be in doubt, because the mesh isn't closed or its faces don't run
+    /// one way round (1% or 0.01). Default: 1%; 100% allows all.
+    pub max_sign_disagreements: Option<Fraction>,
     /// Largest error of the volume in the fluid, as a part of the full ball (1% or 0.01).
     pub max_error: Option<Fraction>,
     /// Largest size of the asset's file, bytes, or as 2MB or 500kB.
@@ -249,6 +254,8 @@ impl Gates {
     /// What is given here, else what `base` gives.
     pub fn over(&self, base: &Gates) -> Gates {
         Gates {
+            must_have_solid: self.must_have_solid.or(base.must_have_solid),
+            max_sign_disagreements: self.max_sign_disagreements.or(base.max_sign_disagreements),
             max_error: self.max_error.or(base.max_error),
             max_bytes: self.max_bytes.or(base.max_bytes),
             must_be_closed: self.must_be_closed.or(base.must_be_closed),

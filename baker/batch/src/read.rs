@@ -99,8 +99,8 @@ mod tests {
             message
         };
         assert!(
-            refused("{\"version\": 2, \"new\": 1}")
-                .contains("has version 2, and this program reads version 1")
+            refused("{\"version\": 3, \"new\": 1}")
+                .contains("has version 3, and this program reads version 2")
         );
         assert!(refused("{\"version\": 1}").contains("missing field `program_version`"));
         assert!(refused("").contains("EOF"));

@@ -21,8 +21,9 @@ use volmap_batch::publish::publish;
 use volmap_batch::read::{find_parts, read as read_summary};
 use volmap_batch::settings::BatchSettings;
 use volmap_batch::summary::{Outcome, Summary};
+use volmap_batch::verify::Standing;
 use volmap_batch::{log, verify, worker};
-use volmap_formats::text::{bytes, duration};
+use volmap_formats::text::{bytes, duration, printable_line};
 
 /// Some assets aren't there, or aren't good.
 const SOME_FAILED: u8 = 1;
@@ -72,11 +73,11 @@ fn start(arguments: &BatchArguments) -> Result<ExitCode> {
     let mut on_event = |event: Event| {
         if let Event::Finished { report, .. } = &event {
             let is_news = arguments.explain || report.outcome != Outcome::Unchanged;
-            let is_bad = matches!(report.outcome, Outcome::Failed | Outcome::Rejected);
+            let is_bad = report.outcome.is_bad();
             match arguments.log {
                 _ if arguments.quiet && !is_bad => {}
                 Log::Json => progress.print(&log::json_line(report)),
-                Log::Text if is_news => progress.print(&log::line(report)),
+                Log::Text if is_news => progress.print(&log::lines(report)),
                 Log::Text => {}
             }
         }
@@ -269,7 +270,10 @@ fn verify_folder(arguments: &VerifyArguments) -> Result<ExitCode> {
         say(&serde_json::to_string_pretty(&findings)?);
     } else {
         for finding in &findings {
-            finding.problems.iter().for_each(|problem| say(&format!("{}: {problem}", finding.name)));
+            let doubtful = if finding.standing == Standing::Doubtful { "doubtful: " } else { "" };
+            let line =
+                |problem: &String| say(&printable_line(&format!("{}: {doubtful}{problem}", finding.name)));
+            finding.problems.iter().for_each(line);
         }
         if !arguments.quiet {
             say(&format!("{} of {} assets are good", findings.len() - bad, findings.len()));
