@@ -12,6 +12,7 @@ use super::tree::{Array, Attributes, Dataset, Tree, Value};
 use rayon::prelude::*;
 use rust_hdf5::{DatatypeMessage, Filter, FilterPipeline, H5Dataset, H5File, H5Group, H5Type};
 use std::io::Read;
+use std::path::Path;
 
 /// How the datasets are compressed; both filters keep every bit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,7 +35,7 @@ const CHUNK_ELEMENTS: usize = 1 << 16;
 
 /// Writes to a scratch file and reads that back.
 pub(super) fn encode(tree: &Tree, compression: Compression) -> Result<Vec<u8>, AssetError> {
-    let bytes = to_bytes(tree, compression).map_err(|error| error.in_file(&std::env::temp_dir()))?;
+    let bytes = to_bytes(tree, compression)?;
     let groups: Vec<&str> = tree.groups.keys().map(String::as_str).collect();
     let datasets: Vec<&str> = tree.datasets.keys().map(String::as_str).collect();
     let back = read_tree(bytes.clone(), &groups, |_| Ok(datasets.clone()))?;
@@ -47,19 +48,69 @@ pub(super) fn encode(tree: &Tree, compression: Compression) -> Result<Vec<u8>, A
     Ok(bytes)
 }
 
-/// That crate writes files only. The scratch file needn't outlast a power cut, nor leave the system's cache. It loses
-/// its name as soon as it is open, so that killed programs leave nothing. (On Windows open files keep their names.)
+/// That crate writes files only: one in memory, where the system has such, else one in the temporary folder.
 fn to_bytes(tree: &Tree, compression: Compression) -> Result<Vec<u8>, AssetError> {
-    let scratch = tempfile::Builder::new().prefix("volmap-").suffix(".h5").tempfile()?;
-    let file = H5File::create(scratch.path()).map_err(asset_error)?;
-    let (mut content, name) = scratch.into_parts();
-    #[cfg(unix)]
-    name.close()?;
-    write_objects(&file, tree, compression).and_then(|()| file.close_no_sync()).map_err(asset_error)?;
+    #[cfg(target_os = "linux")]
+    if let Some((content, path)) = file_in_memory() {
+        let file = H5File::create(path).map_err(asset_error)?;
+        return written(file, content, tree, compression);
+    }
+    by_scratch_file(tree, compression, &std::env::temp_dir())
+}
+
+/// An empty file that no folder has, and the path by which it can be opened again.
+#[cfg(target_os = "linux")]
+fn file_in_memory() -> Option<(std::fs::File, std::path::PathBuf)> {
+    use std::os::fd::AsRawFd;
+    let file = rustix::fs::memfd_create("volmap", rustix::fs::MemfdFlags::CLOEXEC).ok()?;
+    let file = std::fs::File::from(file);
+    let path = std::path::PathBuf::from(format!("/proc/self/fd/{}", file.as_raw_fd()));
+    path.exists().then_some((file, path))
+}
+
+/// The scratch file needn't outlast a power cut, nor leave the system's cache. It loses its name as soon as it is open, so
+/// that killed programs leave nothing. (On Windows open files keep their names.)
+fn by_scratch_file(tree: &Tree, compression: Compression, folder: &Path) -> Result<Vec<u8>, AssetError> {
+    let in_folder = |error| match error {
+        AssetError::Io(error) => AssetError::Io(std::io::Error::new(
+            error.kind(),
+            format!(
+                "the asset passes through a file in the temporary folder {}, which has no room for it or can't be \
+                 written to: {error}; make room there, or name another folder by TMPDIR",
+                folder.display()
+            ),
+        )),
+        other => other,
+    };
+    let write = || {
+        let scratch = tempfile::Builder::new().prefix("volmap-").suffix(".h5").tempfile_in(folder)?;
+        let file = H5File::create(scratch.path()).map_err(asset_error)?;
+        let (content, name) = scratch.into_parts();
+        #[cfg(unix)]
+        name.close()?;
+        let bytes = written(file, content, tree, compression);
+        #[cfg(not(unix))]
+        drop(name);
+        bytes
+    };
+    write().map_err(in_folder)
+}
+
+/// Writes, and reads all of it by `content`, the same file.
+fn written(
+    file: H5File,
+    mut content: std::fs::File,
+    tree: &Tree,
+    compression: Compression,
+) -> Result<Vec<u8>, AssetError> {
+    if let Err(error) = write_objects(&file, tree, compression) {
+        // It would try again to finish the file when it is dropped, and print that this fails.
+        std::mem::forget(file);
+        return Err(asset_error(error));
+    }
+    file.close_no_sync().map_err(asset_error)?;
     let mut bytes = Vec::new();
     content.read_to_end(&mut bytes)?;
-    #[cfg(not(unix))]
-    drop(name);
     Ok(bytes)
 }
 
@@ -185,5 +236,35 @@ fn write_numbers<T: H5Type>(target: &Target, name: &str, values: &[T]) -> rust_h
             let attribute = dataset.new_attr::<T>().shape([values.len()]).create(name)?;
             attribute.write_array(values)
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tree() -> Tree {
+        let root = Attributes::from([("name".to_owned(), Value::Text("a tree".into()))]);
+        let array = Array::F32((0..3000).map(|i| i as f32).collect());
+        let dataset = Dataset { shape: vec![1000, 3], array, attributes: Attributes::new() };
+        Tree { groups: [(String::new(), root)].into(), datasets: [("/values".to_owned(), dataset)].into() }
+    }
+
+    #[test]
+    fn a_file_in_memory_and_one_in_a_folder_are_the_same() {
+        let folder = tempfile::tempdir().unwrap();
+        let compression = Compression::Gzip(6);
+        let scratch = by_scratch_file(&tree(), compression, folder.path()).unwrap();
+        assert_eq!(to_bytes(&tree(), compression).unwrap(), scratch);
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0, "nothing stays");
+    }
+
+    #[test]
+    fn a_temporary_folder_without_room_is_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let missing = folder.path().join("missing");
+        let error = by_scratch_file(&tree(), Compression::default(), &missing).unwrap_err().to_string();
+        let says = format!("through a file in the temporary folder {}", missing.display());
+        assert!(error.contains(&says) && error.contains("TMPDIR"), "{error}");
     }
 }
