@@ -6,10 +6,18 @@ use volmap_bake::Error as BakeError;
 
 /// What an error says of parameters, in the words of the command line; none if it says nothing of them.
 pub fn message(error: &anyhow::Error) -> Option<String> {
-    match bake_error(error)? {
+    of_bake(bake_error(error)?)
+}
+
+fn of_bake(error: &BakeError) -> Option<String> {
+    match error {
         BakeError::Setting { parameter, reason } => {
             let name = option(parameter).unwrap_or_else(|| (*parameter).to_owned());
             Some(format!("{name}: {}", with_options(reason)))
+        }
+        BakeError::Sized { about, source } => {
+            let source = of_bake(source).unwrap_or_else(|| source.to_string());
+            Some(format!("{}: {source}", with_options(about)))
         }
         other @ (BakeError::Memory { .. } | BakeError::Unusable { .. }) => {
             Some(with_options(&other.to_string()))

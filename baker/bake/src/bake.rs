@@ -30,6 +30,7 @@ use crate::stage::Stage;
 use crate::storage::{field_bytes, stored_asset};
 pub use crate::summary::{CellCounts, Rounding, Summary};
 use crate::tolerance::{Found, SearchProblem, search};
+use crate::units::Lengths;
 use crate::watch::Watch;
 use volmap_formats::asset::Asset;
 
@@ -83,7 +84,10 @@ pub fn plan_bake(mut input: Input, settings: &BakeSettings, watch: &Watch) -> Re
     let extent = Extent { min, max, area: diagnosis.area };
     let cells = match settings.map.grid {
         GridChoice::Tolerance(tolerance) => Cells::Searched(tolerance),
-        _ => Cells::Planned(plan(&extent, &settings.map)?),
+        _ => {
+            let lengths = Lengths::of(&input, &extent, settings);
+            Cells::Planned(plan(&extent, &settings.map).map_err(|error| lengths.explain(error))?)
+        }
     };
     Ok(PlannedBake { input, settings: settings.clone(), repair, diagnosis, extent, cells, clock })
 }
@@ -100,6 +104,11 @@ impl PlannedBake {
     /// Box and area of the mesh.
     pub fn extent(&self) -> &Extent {
         &self.extent
+    }
+
+    /// The mesh's length, and what it is compared with.
+    pub fn lengths(&self) -> Lengths {
+        Lengths::of(&self.input, &self.extent, &self.settings)
     }
 
     /// The mesh as it will be baked.
@@ -154,6 +163,7 @@ impl PlannedBake {
     /// The asset, and what there is to say of it.
     fn described(self, baked: BakedMaps) -> Result<Bake, Error> {
         let BakedMaps { phi, plan, maps, tolerance, sign_comparison } = baked;
+        let lengths = self.lengths();
         let PlannedBake { input, settings, repair, diagnosis, extent, clock, .. } = self;
         let mut summary = Summary {
             bounds: [extent.min, extent.max],
@@ -176,7 +186,7 @@ impl PlannedBake {
             placement: input.placement,
             plan,
         };
-        summary.warnings = describe::warnings(&summary, &maps, &settings);
+        summary.warnings = describe::warnings(&summary, &maps, &settings, &lengths);
         let (asset, rounding) = stored_asset(maps, &summary.plan, &settings.map)?;
         summary.rounding = rounding;
         let asset = Asset {

@@ -8,6 +8,7 @@ use crate::parameters::{self, Baked};
 use crate::recipe::BakeSettings;
 use crate::summary::Summary;
 use crate::tolerance::MeasuredError;
+use crate::units::Lengths;
 use crate::volume_map::quadrature::Rule;
 use volmap_formats::asset::{Attributes, Value};
 use volmap_formats::text::percent;
@@ -106,8 +107,8 @@ pub fn diagnosis(summary: &Summary) -> Attributes {
 
 /// What a careful person would look at before using the asset. The texts stand in assets: other words would be other
 /// bytes, so these still name the command line's options.
-pub fn warnings(summary: &Summary, maps: &Maps, settings: &BakeSettings) -> Vec<String> {
-    let mut out = Vec::new();
+pub fn warnings(summary: &Summary, maps: &Maps, settings: &BakeSettings, lengths: &Lengths) -> Vec<String> {
+    let mut out: Vec<String> = lengths.suspicion().into_iter().collect();
     mesh_warnings(summary, &mut out);
     sign_warnings(summary, maps, settings.check_sign, &mut out);
     let [low, high] = summary.plan.cut;
@@ -167,10 +168,6 @@ fn mesh_warnings(summary: &Summary, out: &mut Vec<String>) {
             plural(n),
             place(&found.nested_solids.places)
         ));
-    }
-    let size = (summary.bounds[1] - summary.bounds[0]).max_element();
-    if !(1e-3..=1e4).contains(&size) {
-        out.push(format!("the mesh is {size:.3e} m large; if that isn't meant, give --unit or --scale"));
     }
 }
 

@@ -95,6 +95,7 @@ pub mod stage;
 mod storage;
 pub mod summary;
 pub mod tolerance;
+pub mod units;
 pub mod volume_map;
 pub mod watch;
 

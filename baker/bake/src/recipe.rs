@@ -27,4 +27,6 @@ pub struct BakeSettings {
     pub keep_orientation: bool,
     /// Compare both signs at every node.
     pub check_sign: bool,
+    /// The unit of the file's numbers was given, so that nobody need suspect it.
+    pub unit_is_given: bool,
 }

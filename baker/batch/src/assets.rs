@@ -36,6 +36,8 @@ pub struct PlannedAsset {
     pub gates: Gates,
     /// Seconds that its bake may take.
     pub timeout: Option<f64>,
+    /// Seconds that its report may take.
+    pub report_timeout: Option<f64>,
     /// Points at which its error is measured; 0: not.
     pub error_points: u32,
     /// Whether it gets a page with errors.
@@ -204,6 +206,7 @@ fn asset(said: &Said, mesh: &str, folder: &Path, map: Option<&MapEntry>) -> Resu
         parameters: rules.bake,
         gates: rules.gates,
         timeout: rules.timeout,
+        report_timeout: rules.report_timeout,
         error_points,
         report: rules.report.unwrap_or(false),
         fault,

@@ -8,7 +8,7 @@ use super::job::{Cost, Job, MakeTask, Reply, Task};
 use super::journal::{Journal, Records};
 use super::page::Running;
 use super::places::Places;
-use super::pool::{JobHandler, WorkerPool};
+use super::pool::{JobHandler, Limits, WorkerPool};
 use super::prune::{Leftovers, Tidied, tidy};
 use super::publish::{publish, publish_running, relative};
 use super::queue::{Assignment, JobQueue};
@@ -318,7 +318,7 @@ impl Batch<'_, '_> {
 }
 
 impl JobHandler for Batch<'_, '_> {
-    fn job(&mut self, assignment: &Assignment) -> (Job, Option<f64>) {
+    fn job(&mut self, assignment: &Assignment) -> (Job, Limits) {
         let BatchItem { asset, decision, .. } = &self.items[assignment.index];
         let identity = decision.identity.clone().unwrap_or_default();
         let files = self.settings.places.files(&asset.name, Some(&identity.key), asset.report);
@@ -335,7 +335,11 @@ impl JobHandler for Batch<'_, '_> {
             files,
         };
         let job = Job { task: Task::Make(Box::new(task)), threads: assignment.threads };
-        (job, asset.timeout.or(self.settings.timeout))
+        let limits = Limits {
+            bake: asset.timeout.or(self.settings.timeout),
+            report: asset.report_timeout.or(self.settings.report_timeout),
+        };
+        (job, limits)
     }
 
     fn started(&mut self, slot: usize, assignment: &Assignment) {

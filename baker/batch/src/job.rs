@@ -8,6 +8,9 @@ use std::path::PathBuf;
 use volmap_bake::content_key::Identity;
 use volmap_bake::parameters::Parameters;
 
+/// The step with which the report of an asset begins.
+pub const REPORT_STEP: &str = "measuring for the report";
+
 /// Something for a worker to do.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Job {
@@ -35,6 +38,8 @@ pub struct BakeInput {
     pub parameters: Parameters,
     /// Points at which the volume's error is measured.
     pub error_points: u32,
+    /// Whether a report is wanted.
+    pub report: bool,
 }
 
 /// An asset to be made.
@@ -95,7 +100,7 @@ pub enum Reply {
     /// A step of the job starts; more replies follow.
     Step(String),
     /// The cost.
-    Estimated(Cost),
+    Estimated(Estimate),
     /// The asset lies where it should.
     Made(Box<MakeResult>),
     /// The job failed.
@@ -105,6 +110,17 @@ pub enum Reply {
         /// Because there is no room for files.
         disk_full: bool,
     },
+}
+
+/// What is known of an asset before it is made.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Estimate {
+    /// Its cost.
+    pub cost: Cost,
+    /// The mesh's length in words, for who wonders at the cost.
+    pub length: String,
+    /// What a careful person would look at before the bake.
+    pub warnings: Vec<String>,
 }
 
 /// Estimated cost of an asset.

@@ -58,8 +58,10 @@ pub struct Rules {
     pub bake: Parameters,
     /// What an asset must pass.
     pub gates: Gates,
-    /// Seconds after which a bake is ended as failed. Default: none.
+    /// Seconds after which a bake is ended as failed; its report isn't counted. Default: none.
     pub timeout: Option<f64>,
+    /// Seconds after which a report is ended, and its asset failed. Default: none.
+    pub report_timeout: Option<f64>,
     /// Points at which the volume's error is measured; 0: not at all. Default: 200.
     #[schemars(range(max = MAX_ERROR_POINTS))]
     pub error_points: Option<u32>,
@@ -109,9 +111,12 @@ pub struct Entry {
     /// What the assets must pass.
     #[serde(default)]
     pub gates: Gates,
-    /// Seconds after which a bake is ended as failed.
+    /// Seconds after which a bake is ended as failed; its report isn't counted.
     #[serde(default)]
     pub timeout: Option<f64>,
+    /// Seconds after which a report is ended, and its asset failed.
+    #[serde(default)]
+    pub report_timeout: Option<f64>,
     /// Points at which the volume's error is measured; 0: not at all.
     #[serde(default)]
     #[schemars(range(max = MAX_ERROR_POINTS))]
@@ -140,9 +145,12 @@ pub struct MapEntry {
     /// What the asset must pass.
     #[serde(default)]
     pub gates: Gates,
-    /// Seconds after which a bake is ended as failed.
+    /// Seconds after which a bake is ended as failed; its report isn't counted.
     #[serde(default)]
     pub timeout: Option<f64>,
+    /// Seconds after which a report is ended, and its asset failed.
+    #[serde(default)]
+    pub report_timeout: Option<f64>,
     /// Points at which the volume's error is measured; 0: not at all.
     #[serde(default)]
     #[schemars(range(max = MAX_ERROR_POINTS))]
@@ -231,6 +239,7 @@ impl Rules {
             bake: self.bake.over(&base.bake),
             gates: self.gates.over(&base.gates),
             timeout: self.timeout.or(base.timeout),
+            report_timeout: self.report_timeout.or(base.report_timeout),
             error_points: self.error_points.or(base.error_points),
             report: self.report.or(base.report),
         }
@@ -239,10 +248,12 @@ impl Rules {
     fn check(&self, at: &At) -> Checked {
         let bake = at.key("bake");
         self.bake.check().map_err(|mistake| bake.problem(mistake.key, mistake.reason))?;
-        let seconds = self.timeout.unwrap_or(1.0);
-        at.require("timeout", seconds > 0.0 && seconds <= MAX_TIMEOUT, || {
-            format!("{seconds} is no time; give seconds, above 0")
-        })?;
+        for (key, limit) in [("timeout", self.timeout), ("report_timeout", self.report_timeout)] {
+            let seconds = limit.unwrap_or(1.0);
+            at.require(key, seconds > 0.0 && seconds <= MAX_TIMEOUT, || {
+                format!("{seconds} is no time; give seconds, above 0")
+            })?;
+        }
         let points = self.error_points.unwrap_or(0);
         at.require("error_points", points <= MAX_ERROR_POINTS, || {
             format!("{points} are more than {MAX_ERROR_POINTS}")
@@ -270,6 +281,7 @@ impl Entry {
             bake: self.bake.clone(),
             gates: self.gates,
             timeout: self.timeout,
+            report_timeout: self.report_timeout,
             error_points: self.error_points,
             report: self.report,
         }
@@ -309,6 +321,7 @@ impl MapEntry {
             bake: self.bake.clone(),
             gates: self.gates,
             timeout: self.timeout,
+            report_timeout: self.report_timeout,
             error_points: self.error_points,
             report: self.report,
         }

@@ -93,6 +93,7 @@ fn later_entries_go_over_earlier_ones_and_maps_over_all() {
         parameters: defaults.clone(),
         gates,
         timeout: Some(60.0),
+        report_timeout: None,
         error_points: 200,
         report: false,
         fault: None,

@@ -166,6 +166,7 @@ fn settings(arguments: &BatchArguments) -> Result<BatchSettings> {
         threads,
         max_memory: arguments.max_memory.map(|size| size.0).or_else(free_memory).unwrap_or(DEFAULT_MEMORY),
         timeout: arguments.timeout,
+        report_timeout: arguments.report_timeout,
         rebuild: arguments.rebuild,
         shard: arguments.shard,
         tags: arguments.tag.clone(),
@@ -220,6 +221,7 @@ fn show_check(found: &Check, explain: bool) {
                 bytes(cost.file)
             )),
         }
+        asset.warnings.iter().for_each(|text| say(&format!("{:14} warning: {text}", "")));
     }
     let can = |asset: &&Checked| asset.cost.is_ok();
     let is_made = |asset: &&Checked| asset.reason.is_some();

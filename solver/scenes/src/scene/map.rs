@@ -306,6 +306,12 @@ fn cannot_bake(path: &Path, error: volmap_bake::Error) -> Error {
             needed >> 20,
             allowed >> 20
         ),
+        volmap_bake::Error::Sized { about, source } => match cannot_bake(path, *source) {
+            Error::Scene { place, reason } => {
+                return Error::Scene { place, reason: format!("{about}: {reason}") };
+            }
+            other => return other,
+        },
         other => return Error::Bake(other),
     };
     Error::Scene { place: path.display().to_string(), reason: format!("can't be baked: {reason}") }
