@@ -73,8 +73,11 @@ mod tests {
         );
         assert_eq!(of(BakeError::setting("asset", "stores no cells")), "asset: stores no cells");
         let memory = of(BakeError::Memory { needed: 2 << 30, allowed: 1 << 30 });
-        assert!(memory.contains("2048 MiB, more than --max-memory, 1024 MiB"), "{memory}");
-        assert!(memory.contains("(--cell-size, --resolution, --support-radius)"), "{memory}");
+        assert!(
+            memory.contains("2048 MiB, more than the 1024 MiB that it may take (--max-memory)"),
+            "{memory}"
+        );
+        assert!(memory.contains("(--cell-size, --resolution)"), "{memory}");
         let report: anyhow::Error =
             volmap_report::Error::from(BakeError::setting("plane", "is outside")).into();
         assert_eq!(message(&report).unwrap(), "--plane: is outside");

@@ -13,7 +13,7 @@ use volmap_formats::mesh::{self, MeshFormat};
 
 /// Raised whenever the same mesh and parameters give other values than before, or the file another form. A test pins
 /// values to it.
-pub const ALGORITHM_VERSION: u32 = 1;
+pub const ALGORITHM_VERSION: u32 = 2;
 
 /// The asset's attribute (of `bake`) that holds the key.
 pub const ATTRIBUTE: &str = "content_key";

@@ -159,7 +159,7 @@ fn mesh_warnings(summary: &Summary, out: &mut Vec<String>) {
     }
     let flipped = summary.repair.flipped_triangles;
     if flipped > 0 {
-        out.push(format!("{flipped} triangle{} were turned to run the same way round", plural(flipped)));
+        out.push(format!("flipped {flipped} triangle{} to a consistent orientation", plural(flipped)));
     }
     if found.nested_solids.count > 0 {
         let n = found.nested_solids.count;
@@ -182,7 +182,7 @@ fn sign_warnings(summary: &Summary, maps: &Maps, all_compared: bool, out: &mut V
     let leaks = summary.leaks;
     if leaks > 0 {
         out.push(format!(
-            "inside meets outside away from the surface at {leaks} cell faces: a hole is wider than the band; \
+            "the sign flips across {leaks} cell faces far from the surface: a hole is wider than two support radii; \
              close the mesh or enlarge the support radius"
         ));
     }

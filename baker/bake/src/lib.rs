@@ -73,6 +73,7 @@
 
 pub mod area_map;
 pub mod bake;
+pub mod cache;
 mod clock;
 pub mod content_key;
 pub mod density_map;

@@ -36,8 +36,10 @@ pub struct Lengths {
     pub unit: f64,
     /// Somebody said so, rather than the file or nobody.
     pub unit_is_given: bool,
-    /// The support radius, metres; none if it follows from the mesh.
+    /// The map's support radius, metres; none if it follows from the mesh.
     pub support_radius: Option<f64>,
+    /// That of the kernels, metres, if it is another.
+    pub kernel_radius: Option<f64>,
 }
 
 impl Lengths {
@@ -48,6 +50,7 @@ impl Lengths {
             unit: input.placement.unit,
             unit_is_given: settings.unit_is_given,
             support_radius: settings.map.support_radius,
+            kernel_radius: settings.kernel_radius,
         }
     }
 
@@ -67,11 +70,18 @@ impl Lengths {
 
     /// The length in words: `the mesh is 1,000 m long, 100,000 support radii`.
     pub fn told(&self) -> String {
-        let radii = self.support_radius.map(|radius| match self.size < radius {
-            true => format!(", less than the support radius of {} m", number(radius)),
-            false => format!(", {} support radii", grouped(self.size / radius)),
-        });
-        format!("the mesh is {} m long{}", grouped(self.size), radii.unwrap_or_default())
+        let radii = match (self.support_radius, self.kernel_radius()) {
+            (Some(radius), _) if self.size < radius => {
+                format!(", less than the support radius of {} m", number(radius))
+            }
+            (_, Some(radius)) => format!(", {} support radii", grouped(self.size / radius)),
+            _ => String::new(),
+        };
+        format!("the mesh is {} m long{radii}", grouped(self.size))
+    }
+
+    fn kernel_radius(&self) -> Option<f64> {
+        self.kernel_radius.or(self.support_radius)
     }
 
     /// An error of the plan, with the mesh's length before it where that is what it comes from.
@@ -85,12 +95,14 @@ impl Lengths {
     }
 
     fn usual(&self) -> [f64; 2] {
-        self.support_radius.map_or(USUAL_METRES, |radius| USUAL_RADII.map(|radii| radii * radius))
+        let [least, most] = USUAL_RADII;
+        let radii = self.support_radius.zip(self.kernel_radius());
+        radii.map_or(USUAL_METRES, |(map, kernel)| [least * map, most * kernel])
     }
 
     fn cure(&self) -> String {
         let [least, most] =
-            self.support_radius.map_or(LIKELY_METRES, |radius| LIKELY_RADII.map(|n| n * radius));
+            self.kernel_radius().map_or(LIKELY_METRES, |radius| LIKELY_RADII.map(|n| n * radius));
         let small = self.size < self.usual()[0];
         let size_in = |metres: f64| self.size / self.unit * metres;
         let likely = UNITS.iter().find(|(_, _, metres)| {
@@ -119,7 +131,7 @@ mod tests {
     use super::*;
 
     fn lengths(size: f64, support_radius: Option<f64>) -> Lengths {
-        Lengths { size, unit: 1.0, unit_is_given: false, support_radius }
+        Lengths { size, unit: 1.0, unit_is_given: false, support_radius, kernel_radius: None }
     }
 
     fn said(lengths: Lengths) -> String {
@@ -175,6 +187,10 @@ mod tests {
         {
             assert_eq!(lengths(size, Some(radius)).suspicion(), None, "{size} {radius}");
         }
+        // A scene's map may have a quarter of the kernels' radius.
+        let canyon = Lengths { kernel_radius: Some(0.1), ..lengths(38.4, Some(0.025)) };
+        let pebble = Lengths { size: 0.05, ..canyon };
+        assert_eq!((canyon.suspicion(), pebble.suspicion()), (None, None));
         for size in [0.02, 0.3, 1.5, 38.4, 99.0] {
             assert_eq!(lengths(size, None).suspicion(), None, "{size}");
         }

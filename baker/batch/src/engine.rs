@@ -130,6 +130,7 @@ fn frame(expanded: &Expanded, manifest: Option<&Path>, settings: &BatchSettings)
         manifest: manifest.map(|path| relative(path, &settings.places.out)),
         plan: expanded.fingerprint(),
         notes: [&expanded.notes[..], &expanded.unreadable].concat(),
+        left_out: expanded.left_out.clone(),
         unreadable: expanded.unreadable.clone(),
         shard: settings.shard,
         tags: settings.tags.clone(),

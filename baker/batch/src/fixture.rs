@@ -58,6 +58,7 @@ pub fn batch(assets: Vec<AssetReport>) -> Summary {
         jobs: 2,
         threads: 2,
         notes: Vec::new(),
+        left_out: Vec::new(),
         unreadable: Vec::new(),
         leftovers: Vec::new(),
         plan: String::new(),

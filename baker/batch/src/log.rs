@@ -62,9 +62,12 @@ pub fn json_line(asset: &AssetReport) -> String {
 
 /// The end of a log as a JSON object: `"event": "summary"`, counts and time.
 pub fn json_closing(summary: &Summary) -> String {
-    let Summary { counts, interrupted, seconds, notes, .. } = summary;
-    json!({ "event": "summary", "counts": counts, "interrupted": interrupted, "seconds": seconds, "notes": notes })
-        .to_string()
+    let Summary { counts, interrupted, seconds, notes, left_out, .. } = summary;
+    json!({
+        "event": "summary", "counts": counts, "interrupted": interrupted, "seconds": seconds, "notes": notes,
+        "left_out": left_out
+    })
+    .to_string()
 }
 
 /// Bad assets that the end of a log repeats.
@@ -84,6 +87,9 @@ pub fn closing(summary: &Summary, folder: &Path) -> String {
         0 => "assets     none".into(),
         all => format!("assets     {all}: {}{stopped}", counted(&summary.counts)),
     });
+    let left_out =
+        summary.left_out.iter().map(|files| printable_line(&format!("left out   {}", files.told())));
+    lines.extend(left_out);
     lines.extend(warned(summary).map(|warned| format!("warnings   {warned}")));
     let jobs = counted_as(summary.jobs, "job", "jobs");
     let threads = counted_as(summary.threads, "thread", "threads");

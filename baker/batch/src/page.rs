@@ -1,5 +1,6 @@
 //! A batch as a page: `summary.html`.
 
+use super::left_out::LeftOut;
 use super::log::{counted, counted_as, warned, warnings, why};
 use super::summary::{AssetReport, Outcome, Summary};
 use std::collections::{BTreeMap, BTreeSet};
@@ -19,7 +20,8 @@ const LEGEND: &str = "Error: the largest of the volume, % of the full ball. Blue
 
 /// The page of a batch whose output is in `folder`, where it takes the previews from.
 pub fn page(summary: &Summary, folder: &Path) -> Page {
-    let mut sections: Vec<Section> = bad(summary).into_iter().chain(notes(summary)).collect();
+    let first = bad(summary).into_iter().chain(left_out(summary)).chain(notes(summary));
+    let mut sections: Vec<Section> = first.collect();
     let blocks = vec![Block::Paragraph(LEGEND.into()), Block::Table(assets(summary, folder))];
     sections.push(Section { title: "Assets".into(), blocks });
     sections.push(totals(summary));
@@ -130,6 +132,28 @@ fn bad(summary: &Summary) -> Option<Section> {
     let columns = vec![Column::sentences("asset"), Column::sentences("cause"), Column::text("outcome")];
     let title = "Failed, rejected and doubtful".into();
     let table = Table { caption: String::new(), columns, rows };
+    (!table.rows.is_empty()).then(|| Section { title, blocks: vec![Block::Table(table)] })
+}
+
+/// Files that aren't read.
+fn left_out(summary: &Summary) -> Option<Section> {
+    let row = |files: &LeftOut| {
+        let count = files.files.len();
+        vec![
+            Cell::text(files.format.clone()),
+            Cell::written(count.to_string(), count as f64),
+            Cell::text(files.files.join(", ")),
+            Cell::text(files.cure.clone()),
+        ]
+    };
+    let columns = vec![
+        Column::text("format"),
+        Column::number("files"),
+        Column::sentences("names"),
+        Column::sentences("how to convert them"),
+    ];
+    let table = Table { caption: String::new(), columns, rows: summary.left_out.iter().map(row).collect() };
+    let title = "Left out: files that aren't read".into();
     (!table.rows.is_empty()).then(|| Section { title, blocks: vec![Block::Table(table)] })
 }
 

@@ -1,5 +1,6 @@
 //! What came of a batch, for people and for programs: `summary.json`.
 
+use super::left_out::LeftOut;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use volmap_bake::content_key::Identity;
@@ -34,6 +35,8 @@ pub struct Summary {
     pub threads: usize,
     /// What else there is to say: patterns without a mesh, assets that the manifest no longer lists.
     pub notes: Vec<String>,
+    /// Files that patterns meet and that aren't read, by their formats.
+    pub left_out: Vec<LeftOut>,
     /// Folders that couldn't be looked into: there may be more meshes.
     pub unreadable: Vec<String>,
     /// Names of assets that earlier batches made in this folder and that the manifest no longer lists.

@@ -12,6 +12,7 @@ use volmap_bake::parameters::Parameters;
 use volmap_batch::assets::{Expanded, expand};
 use volmap_batch::check::{Check, Checked, check};
 use volmap_batch::engine::{self, Event};
+use volmap_batch::left_out::LeftOut;
 use volmap_batch::manifest::{self, Manifest};
 use volmap_batch::memory::free_memory;
 use volmap_batch::merge::merge;
@@ -65,7 +66,10 @@ fn start(arguments: &BatchArguments) -> Result<ExitCode> {
         }
         match arguments.log {
             Log::Json => say(&format!("{:#}", found.to_json())),
-            Log::Text => show_check(&found, arguments.explain),
+            Log::Text => {
+                expanded.left_out.iter().for_each(|files| say(&format!("left out       {}", files.told())));
+                show_check(&found, arguments.explain);
+            }
         }
         return Ok(success(found.assets.iter().all(|asset| asset.cost.is_ok())));
     }
@@ -132,7 +136,8 @@ fn select(expanded: &mut Expanded, tags: &[String]) -> Result<()> {
     }
     expanded.assets.retain(|asset| tags.is_empty() || tags.iter().any(|tag| asset.tags.contains(tag)));
     if expanded.assets.is_empty() {
-        let notes = expanded.notes.join("; ");
+        let left_out = expanded.left_out.iter().map(LeftOut::told);
+        let notes = expanded.notes.iter().cloned().chain(left_out).collect::<Vec<_>>().join("; ");
         bail!("there is nothing to bake{}{notes}", if notes.is_empty() { "" } else { ": " });
     }
     Ok(())

@@ -65,15 +65,6 @@ pub struct Library<'a> {
     on_bake: &'a mut dyn FnMut(&Path),
 }
 
-/// Where baked maps are kept if the scene doesn't say: `volmap` in the user's cache folder.
-pub fn default_cache() -> PathBuf {
-    let folder = |name: &str| std::env::var_os(name).map(PathBuf::from).filter(|path| path.is_absolute());
-    let home =
-        || Some(folder("HOME")?.join(if cfg!(target_os = "macos") { "Library/Caches" } else { ".cache" }));
-    let found = folder("XDG_CACHE_HOME").or_else(|| folder("LOCALAPPDATA")).or_else(home);
-    found.unwrap_or_else(std::env::temp_dir).join("volmap")
-}
-
 impl<'a> Library<'a> {
     /// Nothing opened yet; maps are those that the world's boundary method takes, and kept in `cache`. `on_bake` is
     /// called with the mesh before each bake, which may take seconds.
@@ -277,6 +268,7 @@ impl<'a> Library<'a> {
             (given.density, given.kernel) = (Some(true), Some(DensityKernel(kernel)));
         }
         let mut recipe = given.recipe();
+        recipe.bake.kernel_radius = Some(self.support_radius / self.closure.map_radius(1.0));
         let map = &mut recipe.bake.map;
         map.support_radius.get_or_insert(self.support_radius);
         if map.grid == GridChoice::FromRadius {

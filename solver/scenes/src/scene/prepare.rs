@@ -2,13 +2,14 @@
 
 use super::Scene;
 use super::body::{self, Body, Source};
-use super::map::{Library, Origin, Shape, default_cache};
+use super::map::{Library, Origin, Shape};
 use super::nozzle;
 use super::overlap::{BODY_MARGIN, drop_in_bodies};
 use super::sources::{self, PlacedParticles, Solid, SourceCount};
 use crate::error::Error;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use volmap_bake::cache::default_folder;
 use volmap_bake::mesh::diagnose;
 use volmap_bake::sdf::{MeshDistance, SignMethod};
 use volmap_bake::watch::Watch;
@@ -76,7 +77,7 @@ impl PreparedBody {
 /// [`Error::Cancelled`] if a bake was stopped.
 pub fn prepare(scene: &Scene, watch: &Watch, on_bake: &mut dyn FnMut(&Path)) -> Result<Prepared, Error> {
     scene.validate()?;
-    let cache = scene.cache.clone().unwrap_or_else(default_cache);
+    let cache = scene.cache.clone().unwrap_or_else(default_folder);
     let mut library = Library::new(&scene.world(), cache, watch, on_bake);
     let mut files = Vec::new();
     let bodies = prepare_bodies(scene, &mut library, &mut files)?;
