@@ -108,6 +108,7 @@ fn page() -> Page {
             },
         ],
         footer: "volmap 0.1.0".into(),
+        refresh: None,
     }
 }
 

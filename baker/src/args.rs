@@ -1,6 +1,7 @@
 //! The command line: raw arguments, then validated options.
 
 pub mod batch;
+pub mod cache;
 pub mod exchange;
 pub mod outline;
 pub mod parameters;
@@ -33,15 +34,18 @@ pub enum Command {
     Batch(Box<batch::BatchArguments>),
     /// Check whether the assets in a folder are up to date with their meshes: keys, checksums, gates
     Verify(batch::VerifyArguments),
-    /// Show an asset's parameters and diagnosis
+    /// Show an asset: mesh, grid, error and warnings
     Info {
         /// Asset
         asset: PathBuf,
-        /// As JSON
+        /// Every parameter and the whole diagnosis
+        #[arg(long, conflicts_with = "json")]
+        all: bool,
+        /// Everything, as JSON
         #[arg(long)]
         json: bool,
     },
-    /// Query distance, normal, closest point and volume at points
+    /// Query distance, normal, closest point, volume and region (band, outside, deep_inside) at points
     Query {
         /// Asset
         asset: PathBuf,
@@ -62,6 +66,8 @@ pub enum Command {
     Import(exchange::ImportArguments),
     /// Reproduce the experiments of Bender et al. 2020 (about 3 minutes)
     Reproduce(reproduce::ReproduceArguments),
+    /// Show, list or clear the maps that are kept for simulations and batches
+    Cache(cache::CacheArguments),
     /// Print completions for a shell
     Completions {
         /// Shell

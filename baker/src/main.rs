@@ -9,7 +9,7 @@ mod signals;
 use anyhow::Result;
 use args::{Arguments, Command};
 use clap::Parser;
-use run::{bake, batch, exchange, manual, outline, query, report, reproduce, slice};
+use run::{bake, batch, cache, exchange, manual, outline, query, report, reproduce, slice};
 use std::io;
 use std::path::Path;
 use std::process::ExitCode;
@@ -59,9 +59,9 @@ fn run(command: Command) -> Result<ExitCode> {
         Command::BakeOutline(arguments) => outline::run_bake_outline(&arguments)?,
         Command::Batch(arguments) => return Ok(batch::run_batch(&arguments)),
         Command::Verify(arguments) => return Ok(batch::run_verify(&arguments)),
-        Command::Info { asset, json } => {
+        Command::Info { asset, all, json } => {
             start_threads(None)?;
-            query::run_info(&asset, json)?;
+            query::run_info(&asset, all, json)?;
         }
         Command::Query { asset, points, json } => {
             start_threads(None)?;
@@ -81,6 +81,7 @@ fn run(command: Command) -> Result<ExitCode> {
             exchange::run_import(&arguments)?;
         }
         Command::Reproduce(arguments) => reproduce::run_reproduce(&arguments)?,
+        Command::Cache(arguments) => cache::run_cache(&arguments)?,
         Command::Completions { shell } => manual::run_completions(shell)?,
         Command::Man { output } => manual::run_man(output.as_deref())?,
     }

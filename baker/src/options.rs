@@ -6,10 +6,18 @@ use volmap_bake::Error as BakeError;
 
 /// What an error says of parameters, in the words of the command line; none if it says nothing of them.
 pub fn message(error: &anyhow::Error) -> Option<String> {
-    match bake_error(error)? {
+    of_bake(bake_error(error)?)
+}
+
+fn of_bake(error: &BakeError) -> Option<String> {
+    match error {
         BakeError::Setting { parameter, reason } => {
             let name = option(parameter).unwrap_or_else(|| (*parameter).to_owned());
             Some(format!("{name}: {}", with_options(reason)))
+        }
+        BakeError::Sized { about, source } => {
+            let source = of_bake(source).unwrap_or_else(|| source.to_string());
+            Some(format!("{}: {source}", with_options(about)))
         }
         other @ (BakeError::Memory { .. } | BakeError::Unusable { .. }) => {
             Some(with_options(&other.to_string()))
@@ -65,8 +73,11 @@ mod tests {
         );
         assert_eq!(of(BakeError::setting("asset", "stores no cells")), "asset: stores no cells");
         let memory = of(BakeError::Memory { needed: 2 << 30, allowed: 1 << 30 });
-        assert!(memory.contains("2048 MiB, more than --max-memory, 1024 MiB"), "{memory}");
-        assert!(memory.contains("(--cell-size, --resolution, --support-radius)"), "{memory}");
+        assert!(
+            memory.contains("2048 MiB, more than the 1024 MiB that it may take (--max-memory)"),
+            "{memory}"
+        );
+        assert!(memory.contains("(--cell-size, --resolution)"), "{memory}");
         let report: anyhow::Error =
             volmap_report::Error::from(BakeError::setting("plane", "is outside")).into();
         assert_eq!(message(&report).unwrap(), "--plane: is outside");

@@ -2,6 +2,7 @@
 
 pub mod bake;
 pub mod batch;
+pub mod cache;
 pub mod exchange;
 pub mod manual;
 pub mod outline;

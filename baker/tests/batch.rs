@@ -250,10 +250,286 @@ fn gates_hold_assets_back() {
     // It isn't baked again to be refused again, nor to be taken when its gates are wider.
     place.batch("out", &[]);
     assert_eq!(place.asset("out", "a")["reason"], "up to date: same mesh, parameters and program");
-    place.write("assets.toml", &format!("version = 1\n{SOME}"));
+    let wide = format!("{SOME}gates = {{ max_sign_disagreements = \"10%\" }}\n");
+    place.write("assets.toml", &format!("version = 1\n{wide}"));
     let (code, text) = place.batch("out", &[]);
     assert_eq!((code, &*place.outcomes("out")["a"]), (Some(0), "reused"), "{text}");
     assert!(!place.at("out/rejected/a.h5").exists());
+}
+
+const SHEET: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 4 3\n";
+
+#[test]
+fn maps_without_a_solid_or_with_signs_in_doubt_are_doubtful() {
+    let place = Place::new(&[("good", 1.0)], SOME);
+    place.write("meshes/sheet.obj", SHEET);
+    place.write("meshes/open.obj", &box_mesh(1.0).replace("f 2 4 8 6\n", ""));
+    let (code, text) = place.batch("out", &[]);
+    assert_eq!(code, Some(1), "{text}");
+    let outcomes = place.outcomes("out");
+    let of = |name: &str| outcomes[name].as_str();
+    assert_eq!([of("good"), of("sheet"), of("open")], ["built", "doubtful", "doubtful"]);
+    assert_eq!(place.summary("out")["counts"]["doubtful"], 2);
+    let gates = |name: &str| place.asset("out", name)["failed_gates"].to_string();
+    assert!(gates("sheet").contains("must_have_solid") && gates("sheet").contains("max_sign_disagreements"));
+    assert!(!gates("open").contains("must_have_solid") && gates("open").contains("more than 1 %"), "{text}");
+    assert!(place.at("out/rejected/sheet.h5").exists() && !place.at("out/sheet.h5").exists());
+    // Told in the log, with the warnings, and first on the page.
+    assert!(
+        text.contains("doubtful   sheet: ") && text.contains("assets     3: 1 built, 2 doubtful"),
+        "{text}"
+    );
+    assert!(text.contains("           warning: no node lies inside: the map has no solid"), "{text}");
+    assert!(text.contains("\nwarnings   ") && text.contains(" in 2 assets\n"), "{text}");
+    let page = std::fs::read_to_string(place.at("out/summary.html")).unwrap();
+    assert!(
+        page.contains("<h2>Failed, rejected and doubtful</h2>") && page.contains("must_have_solid: no node")
+    );
+    assert!(page.find("Failed, rejected and doubtful") < page.find(">Assets<"));
+
+    // Again they aren't baked, and still aren't good; nor for `verify`.
+    let (code, _) = place.batch("out", &[]);
+    assert_eq!((code, &*place.outcomes("out")["sheet"]), (Some(1), "doubtful"));
+    let done = place.run(&["verify", "out"]);
+    let text = String::from_utf8(done.stdout).unwrap();
+    assert_eq!(done.status.code(), Some(1), "{text}");
+    assert!(
+        text.contains("sheet: doubtful: must_have_solid: ") && text.contains("1 of 3 assets are good"),
+        "{text}"
+    );
+    let json = place.run(&["verify", "out", "--json"]).stdout;
+    let found: Value = serde_json::from_slice(&json).unwrap();
+    assert_eq!((&found[0]["standing"], &found[2]["standing"]), (&"good".into(), &"doubtful".into()));
+
+    // The manifest can allow both; another gate's refusal is no doubt.
+    let allow = "gates = { must_have_solid = false, max_sign_disagreements = \"100%\" }\n";
+    place.write("assets.toml", &format!("version = 1\n{SOME}{allow}"));
+    let (code, text) = place.batch("out", &[]);
+    assert_eq!((code, &*place.outcomes("out")["sheet"]), (Some(0), "reused"), "{text}");
+    place.write("assets.toml", &format!("version = 1\n{SOME}gates = {{ must_be_closed = true }}\n"));
+    place.batch("fresh", &[]);
+    assert_eq!(place.outcomes("fresh")["sheet"], "rejected");
+}
+
+#[test]
+fn a_bake_warns_of_what_is_doubtful() {
+    let place = Place::new(&[], "");
+    place.write("open.obj", &box_mesh(1.0).replace("f 2 4 8 6\n", ""));
+    let done = place.run(&["bake", "open.obj", "--support-radius", "0.25"]);
+    let text = String::from_utf8(done.stdout).unwrap();
+    assert!(done.status.success() && text.contains("warning    the sign is in doubt at about "), "{text}");
+    place.write("sheet.obj", SHEET);
+    let text = String::from_utf8(place.run(&["bake", "sheet.obj"]).stdout).unwrap();
+    assert!(text.contains("warning    no node lies inside: the map has no solid"), "{text}");
+}
+
+#[test]
+fn the_page_grows_while_the_batch_is_at_work() {
+    let place = Place::new(&[("a", 1.0), ("b", 1.5)], SOME);
+    let slow = "[[assets]]\nmesh = \"meshes/b.obj\"\nbake = { cell_size = 0.008, quadrature = \"gl30\" }\n";
+    place.batch("out", &[]);
+    // The long one is begun first.
+    place.write("assets.toml", &format!("version = 1\n{SOME}{slow}"));
+    let mut batch = place.command(&["batch", "assets.toml", "--out", "out", "--jobs", "1"]).spawn().unwrap();
+    let page = || std::fs::read_to_string(place.at("out/summary.html")).unwrap();
+    while !page().contains("At work: 1 of 2 done") && batch.try_wait().unwrap().is_none() {
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    let found = page();
+    batch.kill().unwrap();
+    batch.wait().unwrap();
+    assert!(found.contains("At work: 1 of 2 done") && found.contains("http-equiv=\"refresh\""), "{found}");
+    assert!(found.contains(">unchanged<") && found.contains(">in work<") || found.contains(">to do<"));
+    place.write("assets.toml", &format!("version = 1\n{SOME}"));
+    place.batch("out", &[]);
+    assert!(page().contains("2 of 2") && !page().contains("At work"));
+}
+
+#[test]
+fn files_of_other_formats_are_counted_and_named() {
+    let place = Place::new(&[("a", 1.0)], &SOME.replace("meshes/*.obj", "meshes/**/*"));
+    place.write("meshes/rig.fbx", "x");
+    place.write("meshes/part.STEP", "x");
+    place.write("meshes/notes.txt", "x");
+    let (code, text) = place.batch("out", &["--check"]);
+    assert!(
+        code == Some(0) && text.contains("left out       1 FBX file (meshes/rig.fbx) isn't read: "),
+        "{text}"
+    );
+    let (code, text) = place.batch("out", &[]);
+    assert_eq!(code, Some(0), "{text}");
+    assert!(
+        text.contains("left out   1 FBX file (meshes/rig.fbx) isn't read: convert with `assimp export"),
+        "{text}"
+    );
+    assert!(
+        text.contains("left out   1 STEP file (meshes/part.STEP)") && !text.contains("notes.txt"),
+        "{text}"
+    );
+    let left_out = &place.summary("out")["left_out"];
+    assert_eq!(
+        (&left_out[0]["format"], &left_out[1]["files"][0]),
+        (&"FBX".into(), &"meshes/part.STEP".into())
+    );
+    let page = std::fs::read_to_string(place.at("out/summary.html")).unwrap();
+    assert!(page.contains("meshes/rig.fbx") && page.contains("how to convert them"));
+    // What is excluded isn't missed; where nothing else is there, it is why.
+    place.write(
+        "assets.toml",
+        &format!("version = 1\n{}exclude = \"**/*.fbx\"\n", SOME.replace("*.obj", "*")),
+    );
+    assert!(!place.batch("out", &[]).1.contains("FBX"));
+    let done = place.run(&["batch", "meshes/r*", "--out", "other"]);
+    let text = String::from_utf8(done.stderr).unwrap();
+    assert!(done.status.code() == Some(2) && text.contains("1 FBX file (meshes/rig.fbx)"), "{text}");
+}
+
+#[test]
+fn reports_have_an_estimate_and_a_timeout_of_their_own() {
+    let place = Place::new(&[("a", 1.0)], SOME);
+    let seconds = |more: &str| {
+        place.write("assets.toml", &format!("version = 1\n{SOME}{more}"));
+        let (code, text) = place.batch("out", &["--check", "--log", "json", "--threads", "1"]);
+        assert_eq!(code, Some(0), "{text}");
+        let found: Value = serde_json::from_str(&text).unwrap();
+        (found["seconds"].as_f64().unwrap(), found["memory"].as_u64().unwrap())
+    };
+    let (without, with) = (seconds(""), seconds("report = true\n"));
+    assert!(with.0 > without.0 + 1.0 && with.1 > without.1, "{without:?} {with:?}");
+
+    // The bake has time enough, the report none.
+    place.write(
+        "assets.toml",
+        &format!("version = 1\n{SOME}report = true\ntimeout = 300\nreport_timeout = 0.05\n"),
+    );
+    let (code, text) = place.batch("out", &[]);
+    let error = place.asset("out", "a")["error"].to_string();
+    assert_eq!(code, Some(1), "{text}");
+    assert!(
+        error.contains("its report took longer than its report_timeout of 0.05 s")
+            && error.contains("`report_timeout`")
+    );
+    place.write(
+        "assets.toml",
+        &format!("version = 1\n{SOME}report = true\ngates = {{ max_error = \"5%\" }}\n"),
+    );
+    let (code, text) = place.batch("out", &["--report-timeout", "300"]);
+    assert_eq!(code, Some(0), "{text}");
+    // The gate is the report's limit.
+    let report = std::fs::read_to_string(place.at("out/reports/a.report.html")).unwrap();
+    assert!(report.contains("the limit is 5 %: passed") && !report.contains("no limit set"));
+}
+
+#[test]
+fn a_unit_that_is_not_meant_is_told_with_the_parameter_that_was_given() {
+    let place = Place::new(&[("metres", 1.0)], SOME);
+    let (corners, faces) =
+        box_mesh(1.0).split_once("f ").map(|(a, b)| (a.replace(" 1", " 1000"), b.to_owned())).unwrap();
+    place.write("meshes/flange.obj", &format!("{corners}f {faces}"));
+    let manifest = "[[assets]]\nmesh = \"meshes/*.obj\"\nbake = { particle_radius = 0.0025 }\n";
+    place.write("assets.toml", &format!("version = 1\n{manifest}"));
+    let says = "the mesh is 1000 m long, 100,000 support radii; if its numbers are millimetres, give `unit` mm (1 m then)";
+    let (code, text) = place.batch("out", &["--check"]);
+    assert!(
+        code == Some(1) && text.contains(&format!("cannot bake    flange: {says}: particle_radius: ")),
+        "{text}"
+    );
+    let large = manifest.replace("0.0025", "0.4");
+    place.write("assets.toml", &format!("version = 1\n{large}"));
+    let (code, text) = place.batch("out", &["--max-memory", "64MiB"]);
+    assert!(
+        code == Some(1)
+            && text.contains("flange: the mesh is 1000 m long, 625 support radii: the bake would"),
+        "{text}"
+    );
+    // By default the radius follows from the mesh, and the warning comes before the bake and after it.
+    place.write("assets.toml", "version = 1\n[[assets]]\nmesh = \"meshes/*.obj\"\n");
+    let warning =
+        "warning: the mesh is 1000 m long; if its numbers are millimetres, give `unit` mm (1 m then)";
+    for more in [&["--check"][..], &[]] {
+        let (code, text) = place.batch("out", more);
+        assert!(code == Some(0) && text.contains(warning), "{text}");
+        assert_eq!(text.matches("if its numbers").count(), 1, "{text}");
+    }
+    // The command line's words.
+    let bake = |more: &[&str]| {
+        let done = place.run(&[&["bake", "meshes/flange.obj"][..], more].concat());
+        [done.stdout, done.stderr].map(|bytes| String::from_utf8(bytes).unwrap()).concat()
+    };
+    let text = bake(&["--particle-radius", "0.0025"]);
+    assert!(text.starts_with("error: the mesh is 1000 m long, 100,000 support radii; if its"), "{text}");
+    assert!(text.contains("give --unit mm (1 m then): --particle-radius: "), "{text}");
+    let text = bake(&[]);
+    assert!(
+        text.contains("warning    the mesh is 1000 m long; if its numbers are millimetres, give --unit mm"),
+        "{text}"
+    );
+    assert!(
+        !bake(&["--unit", "mm"]).contains("millimetres") && !bake(&["--unit", "m"]).contains("millimetres")
+    );
+}
+
+#[test]
+fn rules_too_coarse_for_a_density_are_refused_before_the_bake() {
+    let place = Place::new(&[("a", 1.0)], SOME);
+    let text = |output: Output| String::from_utf8(output.stderr).unwrap();
+    let bake = ["bake", "meshes/a.obj", "--density", "--density-quadrature", "gl2"];
+    let error = text(place.run(&bake));
+    assert!(
+        error.contains("--density-quadrature: gl2 is too coarse for the kernel")
+            && error.contains("take gl50"),
+        "{error}"
+    );
+    place.write(
+        "assets.toml",
+        "version = 1\n[[assets]]\nmesh = \"meshes/*.obj\"\nbake = { density = true, density_quadrature = \"gl2\" }\n",
+    );
+    let done = place.run(&["batch", "assets.toml", "--out", "out"]);
+    assert_eq!(done.status.code(), Some(2));
+    let error = text(done);
+    assert!(error.contains("assets.toml:4:") && error.contains("density_quadrature"), "{error}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_temporary_folder_that_cannot_be_used_is_named_with_the_cure() {
+    let place = Place::new(&[("a", 1.0)], SOME);
+    let bake = ["bake", "meshes/a.obj", "--support-radius", "0.25"];
+    let nowhere = place.at("nowhere");
+    let done = place.command(&bake).env("TMPDIR", &nowhere).output().unwrap();
+    let text = String::from_utf8_lossy(&done.stderr);
+    let says = format!("a.h5: the asset passes through a file in the temporary folder {}", nowhere.display());
+    assert!(done.status.code() == Some(1) && text.contains(&says) && text.contains("TMPDIR"), "{text}");
+    assert!(!text.contains("rust-hdf5") && !place.at("a.h5").exists(), "{text}");
+}
+
+#[test]
+fn the_cache_is_shown_listed_and_cleared() {
+    let place = Place::new(&[("a", 1.0), ("b", 1.5)], SOME);
+    place.batch("out", &["--cache", "kept"]);
+    let cache = |arguments: &[&str]| {
+        let done = place
+            .command(&[&["cache"][..], arguments].concat())
+            .env("XDG_CACHE_HOME", place.at("xdg"))
+            .output();
+        let done = done.unwrap();
+        assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+        String::from_utf8(done.stdout).unwrap()
+    };
+    let shown = cache(&["--folder", "kept"]);
+    assert!(shown.starts_with("folder     kept\nmaps       2 ("), "{shown}");
+    let listed = cache(&["list", "--folder", "kept"]);
+    assert!(listed.lines().count() == 2 && listed.lines().all(|line| line.ends_with(".h5")), "{listed}");
+    place.write("kept/notes.txt", "mine");
+    assert_eq!(cache(&["clear", "--folder", "kept", "--older-than", "1d"]), "removed    0 (0 B)\n");
+    // A map that a program has open stays readable, and a batch goes on with an empty cache.
+    assert!(cache(&["clear", "--folder", "kept"]).starts_with("removed    2 ("));
+    assert!(place.assets("kept").is_empty() && place.at("kept/notes.txt").exists());
+    assert_eq!(place.batch("again", &["--cache", "kept"]).0, Some(0));
+    assert_eq!(place.assets("kept").len(), 2);
+    // That of simulations is found by itself; it need not be there.
+    let shown = cache(&[]);
+    assert!(shown.contains("xdg") && shown.contains("volmap\nmaps       0 (0 B)"), "{shown}");
 }
 
 #[test]
@@ -350,10 +626,13 @@ fn limits_end_an_asset_and_not_the_batch() {
     place.write("assets.toml", &format!("version = 1\n{SOME}{large}"));
     let (_, text) = place.batch("out", &["--max-memory", "1GiB"]);
     let error = place.asset("out", "b")["error"].to_string();
-    assert!(error.contains("more than `max_memory`, 1024 MiB"), "{text} {error}");
+    assert!(error.contains("more than the 1024 MiB that it may take (`max_memory`)"), "{text} {error}");
     // A shard's costs are known before; its other assets are made all the same.
     let (_, text) = place.batch("shard", &["--max-memory", "1GiB", "--shard", "1/1"]);
-    assert!(text.contains("more than `max_memory`, 1024 MiB") && text.contains("built"), "{text}");
+    assert!(
+        text.contains("more than the 1024 MiB that it may take (`max_memory`)") && text.contains("built"),
+        "{text}"
+    );
 }
 
 #[test]

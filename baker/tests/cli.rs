@@ -50,7 +50,16 @@ fn bake_info_query() {
         assert!(summary.contains(part), "no `{part}` in\n{summary}");
     }
     assert_eq!(names(&folder), ["duck.h5"]);
+    // What `bake` printed of mesh and grid is what `info` says; the rest stands behind --all.
     let text = output(volmap(&folder).args(["info", "duck.h5"]));
+    let lines = summary.lines().filter(|line| {
+        !["memory", "time", "asset", "next", "plan"].iter().any(|name| line.starts_with(name))
+    });
+    for line in lines.filter(|line| !line.contains("volmap query")) {
+        assert!(text.contains(line), "no `{line}` in\n{text}");
+    }
+    assert!(text.lines().count() < 12 && !text.contains("support_radius"), "{text}");
+    let text = output(volmap(&folder).args(["info", "duck.h5", "--all"]));
     assert!(text.contains("support_radius") && text.contains("duck.obj"), "{text}");
     assert!(text.contains("`volmap export` writes .vtkhdf and .vti for ParaView, VTK, pyvista"), "{text}");
     let json: serde_json::Value =

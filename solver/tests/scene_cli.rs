@@ -67,6 +67,22 @@ fn mistakes_are_one_line_and_exit_code_1() {
 }
 
 #[test]
+fn a_mesh_in_millimetres_is_told_with_its_length_and_unit() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str| folder.path().join(name);
+    let tank = std::fs::read_to_string(scene("../tank.obj")).unwrap();
+    std::fs::write(file("tank.obj"), tank).unwrap();
+    let text_of = std::fs::read_to_string(scene("hydrostatic.toml")).unwrap();
+    let text_of =
+        text_of.replace("../tank.obj", "tank.obj").replace("scale = 0.322580645161", "scale = 322.580645161");
+    std::fs::write(file("large.toml"), text_of).unwrap();
+    let done = volmap_sim(folder.path()).arg("check").arg(file("large.toml")).assert().code(1);
+    let told = text(&done.get_output().stderr);
+    let says = "the mesh is 1000 m long, 10,000 support radii; if its numbers are millimetres, give `unit` mm (1 m then)";
+    assert!(told.contains(says), "{told}");
+}
+
+#[test]
 fn all_sample_scenes_are_sound() {
     let cache = tempfile::tempdir().unwrap();
     for entry in std::fs::read_dir(scene("")).unwrap() {

@@ -16,23 +16,23 @@
 use crate::clock::Clock;
 use crate::density_map::compute_density;
 use crate::describe;
+use crate::doubt::compare_at_nodes;
 use crate::error::Error;
 use crate::input::{Input, bounds};
 use crate::maps::{Maps, compute_maps};
 use crate::mesh::{Diagnosis, OrientationRepair, Prepared, prepare};
 use crate::plan::{Extent, Plan, plan};
 pub use crate::recipe::BakeSettings;
-use crate::rows::positions;
+use crate::sdf::leaks::leaks;
 use crate::sdf::sign::SignChoice;
 use crate::sdf::thin::ThinPlaces;
-use crate::sdf::{
-    BoundaryDistance, ChangedDistance, MeshDistance, SignComparison, SignedDistance, compare_signs,
-};
+use crate::sdf::{BoundaryDistance, ChangedDistance, MeshDistance, SignComparison, SignedDistance};
 use crate::settings::{GridChoice, MapSettings};
 use crate::stage::Stage;
 use crate::storage::{field_bytes, stored_asset};
 pub use crate::summary::{CellCounts, Rounding, Summary};
 use crate::tolerance::{Found, SearchProblem, search};
+use crate::units::Lengths;
 use crate::watch::Watch;
 use volmap_formats::asset::Asset;
 
@@ -92,7 +92,10 @@ pub fn plan_bake(mut input: Input, settings: &BakeSettings, watch: &Watch) -> Re
     let extent = Extent { min, max, area };
     let cells = match settings.map.grid {
         GridChoice::Tolerance(tolerance) => Cells::Searched(tolerance),
-        _ => Cells::Planned(plan(&extent, &settings.map)?),
+        _ => {
+            let lengths = Lengths::of(&input, &extent, settings);
+            Cells::Planned(plan(&extent, &settings.map).map_err(|error| lengths.explain(error))?)
+        }
     };
     Ok(PlannedBake { input, settings: settings.clone(), repair, diagnosis, extent, cells, clock })
 }
@@ -109,6 +112,11 @@ impl PlannedBake {
     /// Box and area of the mesh.
     pub fn extent(&self) -> &Extent {
         &self.extent
+    }
+
+    /// The mesh's length, and what it is compared with.
+    pub fn lengths(&self) -> Lengths {
+        Lengths::of(&self.input, &self.extent, &self.settings)
     }
 
     /// The mesh as it will be baked.
@@ -139,10 +147,7 @@ impl PlannedBake {
         if let Some(density) = &map.density {
             maps.density = Some(compute_density(&plan, density, &phi, &maps, watch)?);
         }
-        let sign_comparison = match self.settings.check_sign {
-            true => Some(compare_at_nodes(&phi, &plan, &maps, watch)?),
-            false => None,
-        };
+        let sign_comparison = compare_at_nodes(&phi, &plan, &maps, self.settings.check_sign, watch)?;
         self.clock.stop();
         let thin = ThinPlaces::find(&plan.grid, &maps.nodes, &maps.distance, &phi);
         self.described(BakedMaps { phi, plan, maps, tolerance, sign_comparison, thin })
@@ -168,6 +173,7 @@ impl PlannedBake {
     /// The asset, and what there is to say of it.
     fn described(self, baked: BakedMaps) -> Result<Bake, Error> {
         let BakedMaps { phi, plan, maps, tolerance, sign_comparison, thin } = baked;
+        let lengths = self.lengths();
         let PlannedBake { input, settings, repair, mut diagnosis, extent, clock, .. } = self;
         if phi.mesh.union_surface().is_some() && diagnosis.balanced {
             diagnosis.volume = phi.mesh.volume();
@@ -177,6 +183,8 @@ impl PlannedBake {
             diagnosis,
             repair,
             sign: sign_choice(&phi),
+            has_exact_sign: phi.mesh.has_integer_winding(),
+            leaks: leaks(plan.grid.resolution, &maps.cells),
             sign_comparison,
             overlaps: phi.mesh.overlaps().clone(),
             thin,
@@ -195,7 +203,7 @@ impl PlannedBake {
             placement: input.placement,
             plan,
         };
-        summary.warnings = describe::warnings(&summary, &maps, &settings);
+        summary.warnings = describe::warnings(&summary, &maps, &settings, &lengths);
         let (asset, rounding) = stored_asset(maps, &summary.plan, &settings.map)?;
         summary.rounding = rounding;
         let asset = Asset {
@@ -224,18 +232,6 @@ struct BakedMaps {
     tolerance: Option<Found>,
     sign_comparison: Option<SignComparison>,
     thin: ThinPlaces,
-}
-
-/// Both signs at the nodes.
-fn compare_at_nodes(
-    phi: &BoundaryDistance,
-    plan: &Plan,
-    maps: &Maps,
-    watch: &Watch,
-) -> Result<SignComparison, Error> {
-    let work = watch.begin(Stage::CheckSign.step(), maps.nodes.count() as u64)?;
-    let nodes: Vec<_> = positions(&maps.nodes, &plan.grid).collect();
-    Ok(compare_signs(&phi.mesh, &nodes, &work)?)
 }
 
 /// Bakes any signed distance `phi`: metres, 1-Lipschitz, negative inside the solid. Its zero surface lies in the box of

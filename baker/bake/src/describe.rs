@@ -1,17 +1,18 @@
 //! What a bake says of itself: the informative attributes of the asset, and warnings.
 //! Nothing here may depend on time or threads.
 
+use crate::doubt::{MAX_SIGN_DISAGREEMENTS, has_solid};
 use crate::input::Input;
 use crate::maps::Maps;
 use crate::parameters::{self, Baked};
 use crate::recipe::BakeSettings;
 use crate::sdf::Overlaps;
-use crate::sdf::leaks::leaks;
 use crate::summary::Summary;
 use crate::tolerance::MeasuredError;
+use crate::units::Lengths;
 use crate::volume_map::quadrature::Rule;
 use volmap_formats::asset::{Attributes, Value};
-use volmap_formats::text::{number, significant, thousands};
+use volmap_formats::text::{number, percent, significant, thousands};
 
 fn attributes<const N: usize>(pairs: [(&str, Value); N]) -> Attributes {
     pairs.map(|(name, value)| (name.to_owned(), value)).into()
@@ -63,6 +64,9 @@ pub fn source(input: &Input, summary: &Summary) -> Attributes {
     ])
 }
 
+/// Name of what the diagnosis says of signs that aren't exact: the part of the nodes at which they are in doubt.
+pub const SIGN_DOUBT: &str = "sign_doubt";
+
 /// What was found of the mesh.
 pub fn diagnosis(summary: &Summary) -> Attributes {
     let (found, repair, cleaning) = (&summary.diagnosis, &summary.repair, &summary.cleaning);
@@ -101,12 +105,15 @@ pub fn diagnosis(summary: &Summary) -> Attributes {
         out.insert("sign_points".into(), count(signs.points));
         out.insert("sign_disagreements".into(), count(signs.disagreeing));
     }
+    if !summary.has_exact_sign {
+        out.insert(SIGN_DOUBT.into(), summary.sign_doubt().into());
+    }
     out
 }
 
 /// What a careful person would look at before using the asset. The texts stand in assets: other words are other bytes.
-pub fn warnings(summary: &Summary, maps: &Maps, settings: &BakeSettings) -> Vec<String> {
-    let mut out = Vec::new();
+pub fn warnings(summary: &Summary, maps: &Maps, settings: &BakeSettings, lengths: &Lengths) -> Vec<String> {
+    let mut out: Vec<String> = lengths.suspicion().into_iter().collect();
     mesh_warnings(summary, &mut out);
     overlap_warning(summary, &mut out);
     sign_warnings(summary, maps, settings, &mut out);
@@ -172,7 +179,7 @@ fn mesh_warnings(summary: &Summary, out: &mut Vec<String>) {
     }
     let flipped = summary.repair.flipped_triangles;
     if flipped > 0 {
-        out.push(format!("{flipped} triangle{} were turned to run the same way round", plural(flipped)));
+        out.push(format!("flipped {flipped} triangle{} to a consistent orientation", plural(flipped)));
     }
     if found.nested_solids.count > 0 {
         let n = found.nested_solids.count;
@@ -180,13 +187,6 @@ fn mesh_warnings(summary: &Summary, out: &mut Vec<String>) {
             "{n} part{} inside a solid; taken as solid{}",
             plural(n),
             place(&found.nested_solids.places)
-        ));
-    }
-    let size = (summary.bounds[1] - summary.bounds[0]).max_element();
-    if !(1e-3..=1e4).contains(&size) {
-        out.push(format!(
-            "the mesh is {} m large; if that isn't meant, give --unit or --scale",
-            digits(size)
         ));
     }
 }
@@ -266,9 +266,8 @@ fn no_solid(summary: &Summary) -> String {
 }
 
 fn sign_warnings(summary: &Summary, maps: &Maps, settings: &BakeSettings, out: &mut Vec<String>) {
-    // Sheets have nodes that rounding puts inside.
     let rounding = 1e-9 * summary.plan.support_radius;
-    if !maps.distance.iter().any(|phi| *phi < -rounding) {
+    if !has_solid(maps.distance.iter().copied(), summary.plan.support_radius) {
         out.push(no_solid(summary));
     }
     if !maps.distance.iter().any(|phi| *phi > rounding) {
@@ -279,16 +278,26 @@ fn sign_warnings(summary: &Summary, maps: &Maps, settings: &BakeSettings, out: &
         };
         out.push(format!("no node lies outside: nothing is left for the fluid; {cure}"));
     }
-    let leaks = leaks(summary.plan.grid.resolution, &maps.cells);
+    let leaks = summary.leaks;
     if leaks > 0 {
         out.push(format!(
-            "inside meets outside away from the surface at {leaks} cell faces: a hole is wider than the band; \
+            "the sign flips across {leaks} cell faces far from the surface: a hole is wider than two support radii; \
              close the mesh or enlarge the support radius"
         ));
     }
-    if let Some(signs) = summary.sign_comparison.as_ref().filter(|signs| signs.disagreeing > 0) {
-        let worst = signs.worst.first().map(|(at, distance)| (place(&[*at]), *distance));
-        let (at, distance) = worst.unwrap_or_default();
+    let signs = summary.sign_comparison.as_ref();
+    let worst = signs.and_then(|signs| signs.worst.first()).map(|(at, distance)| (place(&[*at]), *distance));
+    let (at, distance) = worst.unwrap_or_default();
+    let doubt = summary.sign_doubt();
+    if doubt > MAX_SIGN_DISAGREEMENTS {
+        out.push(format!(
+            "the sign is in doubt at about {} of the nodes, up to {} m from the surface{at}; close the \
+             holes, or turn the faces one way round",
+            percent(doubt),
+            digits(distance)
+        ));
+    }
+    if let Some(signs) = signs.filter(|signs| settings.check_sign && signs.disagreeing > 0) {
         out.push(format!(
             "pseudonormals and winding numbers differ at {} of {} nodes, the farthest {} m from the \
              surface{at}",

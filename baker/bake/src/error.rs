@@ -54,8 +54,8 @@ pub enum Error {
     },
     /// The bake would need more memory than allowed.
     #[error(
-        "the bake would need about {} MiB, more than `max_memory`, {} MiB; take larger cells \
-         (`cell_size`, `resolution`, `support_radius`) or allow more",
+        "the bake would need about {} MiB, more than the {} MiB that it may take (`max_memory`); take larger cells \
+         (`cell_size`, `resolution`), larger particles, or allow more",
         needed >> 20, allowed >> 20
     )]
     Memory {
@@ -63,6 +63,14 @@ pub enum Error {
         needed: u64,
         /// Limit, bytes.
         allowed: u64,
+    },
+    /// A bake isn't possible, and the mesh's length has to do with it.
+    #[error("{about}: {source}")]
+    Sized {
+        /// The length, and the unit that is more likely.
+        about: String,
+        /// What isn't possible.
+        source: Box<Error>,
     },
 }
 

@@ -76,11 +76,13 @@
 
 pub mod area_map;
 pub mod bake;
+pub mod cache;
 mod clock;
 pub mod content_key;
 mod coordinates;
 pub mod density_map;
 pub mod describe;
+pub mod doubt;
 pub mod error;
 pub mod input;
 pub mod iso_surface;
@@ -99,6 +101,7 @@ pub mod stage;
 mod storage;
 pub mod summary;
 pub mod tolerance;
+pub mod units;
 pub mod volume_map;
 pub mod watch;
 

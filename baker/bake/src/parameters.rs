@@ -28,6 +28,7 @@ pub use size::ByteSize;
 pub use value::{DensityKernel, ParameterValue};
 
 use crate::density_map::DensitySettings;
+use crate::error::Error;
 use crate::input::InputSettings;
 use crate::plan::{GridChoice, Precision};
 use crate::primitive::Primitive;
@@ -292,7 +293,10 @@ parameters! {
 
     /// Unit of the file's lengths: m, cm, mm, in, ft, or a number of metres
     unit: Unit {
-        apply: |recipe, unit| recipe.input.unit = Some(unit.0),
+        apply: |recipe, unit| {
+            recipe.input.unit = Some(unit.0);
+            recipe.bake.unit_is_given = true;
+        },
         default: "the file's, or m",
         placeholder: "UNIT",
         example: "mm",
@@ -455,6 +459,24 @@ impl Parameters {
         let mut recipe = Recipe::default();
         self.given().for_each(|row| (row.apply)(self, &mut recipe));
         recipe
+    }
+
+    /// The error in the words of what is given here: settings have one radius, which may be given as the particles'.
+    pub fn explain(&self, error: Error) -> Error {
+        if self.particle_radius.is_none() {
+            return error;
+        }
+        let reworded = |text: String| text.replace("`support_radius`", "`particle_radius`");
+        match error {
+            Error::Setting { parameter: "support_radius", reason } => {
+                Error::setting("particle_radius", reworded(reason))
+            }
+            Error::Setting { parameter, reason } => Error::setting(parameter, reworded(reason)),
+            Error::Sized { about, source } => {
+                Error::Sized { about: reworded(about), source: Box::new(self.explain(*source)) }
+            }
+            other => other,
+        }
     }
 }
 

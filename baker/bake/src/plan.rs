@@ -80,6 +80,9 @@ pub fn plan(extent: &Extent, settings: &MapSettings) -> Result<Plan, Error> {
     let grid = grid(low, high, support_radius, settings)?;
     check_precision(&grid)?;
     check_rounding(&grid, support_radius, settings)?;
+    if let Some(density) = &settings.density {
+        density.check().map_err(|reason| Error::setting("density_quadrature", reason))?;
+    }
     let cut = cut(&grid, needed);
     let cuts = cut[0].max_element().max(cut[1].max_element()) > 0.0;
     let margin = if cuts { margin(&grid, support_radius)? } else { UVec3::ZERO };

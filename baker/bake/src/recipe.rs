@@ -27,4 +27,9 @@ pub struct BakeSettings {
     pub keep_orientation: bool,
     /// Compare both signs at every node.
     pub check_sign: bool,
+    /// Support radius of the kernels that the map is for, metres, if it is another than the map's: lengths are compared
+    /// with it.
+    pub kernel_radius: Option<f64>,
+    /// The unit of the file's numbers was given, so that nobody need suspect it.
+    pub unit_is_given: bool,
 }

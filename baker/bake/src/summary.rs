@@ -35,7 +35,11 @@ pub struct Summary {
     pub repair: OrientationRepair,
     /// The sign in use.
     pub sign: SignChoice,
-    /// Where the two signs differ, if that was asked for.
+    /// The sign is right at every point.
+    pub has_exact_sign: bool,
+    /// Faces of cells at which inside meets outside without a surface between.
+    pub leaks: u64,
+    /// Where the two signs differ, if that was asked for or the sign isn't exact.
     pub sign_comparison: Option<SignComparison>,
     /// What overlaps in the mesh.
     pub overlaps: Overlaps,
@@ -96,6 +100,20 @@ pub struct Rounding {
     pub volume: f64,
     /// Largest change of a density over rest density.
     pub density: f64,
+}
+
+impl Summary {
+    /// Part of the nodes at which the sign is in doubt, because both ways to tell it differ there, or inside meets
+    /// outside (a face counts as a cell of the band).
+    pub fn sign_doubt(&self) -> f64 {
+        if self.has_exact_sign {
+            return 0.0;
+        }
+        let part = |count: u64, all: u64| count as f64 / all.max(1) as f64;
+        let compared = self.sign_comparison.as_ref();
+        let differing = compared.map_or(0.0, |signs| part(signs.disagreeing as u64, signs.points as u64));
+        (differing + part(self.leaks, self.cells.band)).min(1.0)
+    }
 }
 
 impl Display for Summary {

@@ -1,5 +1,6 @@
 //! What came of an asset, as the summary has it.
 
+use super::gates;
 use super::item::BatchItem;
 use super::job::MakeResult;
 use super::places::{Places, names};
@@ -45,11 +46,11 @@ pub fn failed(item: &BatchItem, error: String) -> AssetReport {
 pub fn made(item: &BatchItem, result: MakeResult, threads: usize, places: &Places) -> AssetReport {
     let Action::Make(reason, _) = &item.decision.action else { unreachable!("only these are made") };
     let name = &item.asset.name;
-    let outcome = match (&result.from, result.failed_gates.is_empty()) {
-        (_, false) => Outcome::Rejected,
-        (Some(from), true) if *from == places.out.join(names(name, false).asset) => Outcome::Unchanged,
-        (Some(_), true) => Outcome::Reused,
-        (None, true) => Outcome::Built,
+    let outcome = match (&result.from, gates::outcome(&result.failed_gates)) {
+        (_, Some(bad)) => bad,
+        (Some(from), None) if *from == places.out.join(names(name, false).asset) => Outcome::Unchanged,
+        (Some(_), None) => Outcome::Reused,
+        (None, None) => Outcome::Built,
     };
     let mut reason = reason.clone();
     if let (Some(from), Outcome::Reused) = (&result.from, outcome) {
@@ -58,14 +59,14 @@ pub fn made(item: &BatchItem, result: MakeResult, threads: usize, places: &Place
     result.notes.iter().for_each(|note| reason += &format!("; {note}"));
     AssetReport {
         reason,
-        failed_gates: result.failed_gates,
+        failed_gates: gates::texts(&result.failed_gates),
         seconds: Some(result.seconds),
         threads: Some(threads),
         peak_memory: result.peak_memory,
         bytes: Some(result.bytes),
         file_blake3: Some(result.file_blake3),
         figures: Some(result.figures),
-        ..placed(item, outcome, outcome == Outcome::Rejected)
+        ..placed(item, outcome, !result.failed_gates.is_empty())
     }
 }
 
@@ -81,12 +82,12 @@ fn placed(item: &BatchItem, outcome: Outcome, is_rejected: bool) -> AssetReport 
 
 /// An asset that stays as it is.
 pub fn kept(item: &BatchItem, found: &Kept, record: Option<&AssetReport>) -> AssetReport {
-    let outcome = if found.failed_gates.is_empty() { Outcome::Unchanged } else { Outcome::Rejected };
+    let outcome = gates::outcome(&found.failed_gates).unwrap_or(Outcome::Unchanged);
     // Times are those of the same file.
     let record = record.filter(|record| record.file_blake3.as_ref() == Some(&found.file_blake3));
     AssetReport {
         reason: "up to date: same mesh, parameters and program".into(),
-        failed_gates: found.failed_gates.clone(),
+        failed_gates: gates::texts(&found.failed_gates),
         estimated_seconds: record.and_then(|record| record.estimated_seconds),
         seconds: record.and_then(|record| record.seconds),
         threads: record.and_then(|record| record.threads),

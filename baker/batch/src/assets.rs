@@ -1,5 +1,6 @@
 //! From a manifest to the assets that it asks for, each with all that holds for it.
 
+use super::left_out::{LeftOut, by_format};
 use super::manifest::{ERROR_POINTS, Entry, Gates, Manifest, MapEntry, Rules};
 use super::names::{self, Mesh};
 use super::pattern::{Files, Pattern};
@@ -15,6 +16,8 @@ pub struct Expanded {
     pub assets: Vec<PlannedAsset>,
     /// What a careful person would look at: globs without a mesh, parameters without effect.
     pub notes: Vec<String>,
+    /// Files that patterns meet and that aren't read.
+    pub left_out: Vec<LeftOut>,
     /// Folders that couldn't be looked into: there may be more assets.
     pub unreadable: Vec<String>,
 }
@@ -36,6 +39,8 @@ pub struct PlannedAsset {
     pub gates: Gates,
     /// Seconds that its bake may take.
     pub timeout: Option<f64>,
+    /// Seconds that its report may take.
+    pub report_timeout: Option<f64>,
     /// Points at which its error is measured; 0: not.
     pub error_points: u32,
     /// Whether it gets a page with errors.
@@ -139,12 +144,14 @@ impl Matcher<'_> {
 
 /// The meshes, each once.
 fn meshes(matchers: &[Matcher], folder: &Path, found: &mut Expanded) -> Vec<String> {
-    let (mut seen, mut meshes) = (HashSet::new(), Vec::new());
+    let (mut seen, mut meshes, mut foreign) = (HashSet::new(), Vec::new(), Vec::new());
     for matcher in matchers {
         for (pattern, text) in matcher.patterns.iter().zip(&matcher.entry.mesh.0) {
             let files: Files = pattern.files(folder);
             found.notes.extend(files.notes);
             found.unreadable.extend(files.unreadable);
+            let is_wanted = |path: &String| !matcher.exclude.iter().any(|pattern| pattern.covers(path));
+            foreign.extend(files.foreign.into_iter().filter(is_wanted));
             let kept: Vec<String> =
                 files.paths.into_iter().filter(|path| matcher.pattern(path).is_some()).collect();
             if kept.is_empty() {
@@ -153,6 +160,7 @@ fn meshes(matchers: &[Matcher], folder: &Path, found: &mut Expanded) -> Vec<Stri
             meshes.extend(kept.into_iter().filter(|path| seen.insert(path.clone())));
         }
     }
+    found.left_out = by_format(foreign);
     meshes
 }
 
@@ -224,6 +232,7 @@ fn asset(said: &Said, mesh: &str, folder: &Path, map: Option<&MapEntry>) -> Resu
         parameters: rules.bake,
         gates: rules.gates,
         timeout: rules.timeout,
+        report_timeout: rules.report_timeout,
         error_points,
         report: rules.report.unwrap_or(false),
         fault,

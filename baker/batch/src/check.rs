@@ -34,13 +34,17 @@ pub struct Checked {
     pub reason: Option<String>,
     /// What it would cost, or why it can't be made.
     pub cost: Result<Cost, String>,
+    /// What a careful person would look at.
+    pub warnings: Vec<String>,
 }
 
 impl Check {
     /// For programs: a list of assets, each with a cost or an error, and the sums.
     pub fn to_json(&self) -> Value {
         let asset = |asset: &Checked| match &asset.cost {
-            Ok(cost) => json!({ "name": asset.name, "reason": asset.reason, "cost": cost }),
+            Ok(cost) => json!({
+                "name": asset.name, "reason": asset.reason, "cost": cost, "warnings": asset.warnings
+            }),
             Err(error) => json!({ "name": asset.name, "reason": asset.reason, "error": error }),
         };
         let assets: Vec<Value> = self.assets.iter().map(asset).collect();
@@ -72,7 +76,8 @@ pub fn check(expanded: &Expanded, settings: &BatchSettings, cancel: &Cancel) -> 
             Action::Fail(error) => (Some(String::new()), Some(error)),
         };
         let cost = fault.map_or_else(|| within(estimate, settings.max_memory), Err);
-        Checked { name: asset.name.clone(), reason, cost }
+        let warnings = estimate.as_ref().map_or(Vec::new(), |estimate| estimate.warnings.clone());
+        Checked { name: asset.name.clone(), reason, cost, warnings }
     });
     let assets: Vec<Checked> = checked.collect();
     let made = assets.iter().filter(|asset| asset.reason.is_some());

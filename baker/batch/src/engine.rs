@@ -6,10 +6,11 @@ use super::estimates::{bake_input, estimates, own_part, within};
 use super::item::BatchItem;
 use super::job::{Cost, Job, MakeTask, Reply, Task};
 use super::journal::{Journal, Records};
+use super::page::Running;
 use super::places::Places;
-use super::pool::{JobHandler, WorkerPool};
+use super::pool::{JobHandler, Limits, WorkerPool};
 use super::prune::{Leftovers, Tidied, tidy};
-use super::publish::{publish, relative};
+use super::publish::{publish, publish_running, relative};
 use super::queue::{Assignment, JobQueue};
 use super::settings::BatchSettings;
 use super::state::{Action, Kept, decisions};
@@ -17,7 +18,7 @@ use super::summary::{AssetReport, Counts, Outcome, SUMMARY_VERSION, Summary};
 use crate::error::Error;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 use volmap_bake::watch::Cancel;
 use volmap_formats::asset::clear_leftovers;
 
@@ -101,7 +102,10 @@ pub fn run(
         estimate,
         report: None,
     });
-    let mut batch = Batch { journal, records, settings, on_event, items: items.collect(), failure: None };
+    let frame = frame(expanded, manifest, settings);
+    let running = RunningPage { frame, start, in_work: BTreeSet::new(), written: None };
+    let items = items.collect();
+    let mut batch = Batch { journal, records, settings, on_event, items, running, failure: None };
     if !cancel.is_cancelled() {
         batch.work(cancel);
     }
@@ -109,16 +113,31 @@ pub fn run(
     let tidied = leftovers(expanded, settings, known_names, interrupted)?;
     let (summary, journal) = batch.finish(interrupted);
     let summary = Summary {
-        manifest: manifest.map(|path| relative(path, out)),
-        plan: expanded.fingerprint(),
-        notes: [&expanded.notes[..], &expanded.unreadable, &tidied.notes].concat(),
-        unreadable: expanded.unreadable.clone(),
+        notes: [&summary.notes[..], &tidied.notes].concat(),
         leftovers: tidied.left,
         seconds: start.elapsed().as_secs_f64(),
         ..summary
     };
     let unwritten = publish(&summary, out).and_then(|()| journal.end()).err();
     Ok(BatchResult { summary, unwritten })
+}
+
+/// The summary without the assets.
+fn frame(expanded: &Expanded, manifest: Option<&Path>, settings: &BatchSettings) -> Summary {
+    Summary {
+        version: SUMMARY_VERSION,
+        program_version: env!("CARGO_PKG_VERSION").into(),
+        manifest: manifest.map(|path| relative(path, &settings.places.out)),
+        plan: expanded.fingerprint(),
+        notes: [&expanded.notes[..], &expanded.unreadable].concat(),
+        left_out: expanded.left_out.clone(),
+        unreadable: expanded.unreadable.clone(),
+        shard: settings.shard,
+        tags: settings.tags.clone(),
+        jobs: settings.jobs,
+        threads: settings.threads,
+        ..Summary::default()
+    }
 }
 
 /// After the work, which may take assets of earlier names for new ones. Only if it is sure what the manifest has.
@@ -153,12 +172,30 @@ fn clear_folders(places: &Places, assets: &[PlannedAsset]) {
     folders.iter().for_each(|folder| _ = clear_leftovers(folder));
 }
 
+/// A page that takes longer than this to write isn't written at every event.
+const QUICK: Duration = Duration::from_millis(100);
+/// So many times as long as it took, it is left alone then.
+const PAUSES: u32 = 10;
+
+/// The page of the batch while it is at work.
+struct RunningPage {
+    /// The summary without assets.
+    frame: Summary,
+    /// When the batch began.
+    start: Instant,
+    /// Indices of the assets that are in work.
+    in_work: BTreeSet<usize>,
+    /// When the page was written, and how long that took.
+    written: Option<(Instant, Duration)>,
+}
+
 struct Batch<'a, 'e> {
     journal: Journal,
     records: Records,
     settings: &'a BatchSettings,
     on_event: &'a mut dyn FnMut(Event<'_>),
     items: Vec<BatchItem<'e>>,
+    running: RunningPage,
     /// Why nothing more was begun.
     failure: Option<String>,
 }
@@ -204,7 +241,7 @@ impl Batch<'_, '_> {
     fn settle(&mut self, slot: Option<usize>, index: usize, report: AssetReport) {
         (self.on_event)(Event::Finished { slot, report: &report });
         // What is unchanged stands in the last summary already. Without a note the next batch has to look at the asset.
-        if matches!(report.outcome, Outcome::Built | Outcome::Reused | Outcome::Rejected) {
+        if !matches!(report.outcome, Outcome::Unchanged | Outcome::Failed | Outcome::NotTried) {
             let _ = self.journal.note(&report);
         }
         self.items[index].report = Some(report);
@@ -232,6 +269,7 @@ impl Batch<'_, '_> {
         let costs: Vec<(usize, Cost)> =
             open.filter_map(|(index, item)| Some((index, item.cost()?))).collect();
         (self.on_event)(Event::Estimated(costs.iter().map(|(_, cost)| cost.seconds).sum()));
+        self.show();
         let BatchSettings { jobs, threads, max_memory, .. } = *self.settings;
         let mut queue = JobQueue::new(&costs, jobs, threads, max_memory);
         pool.run(&mut queue, self)
@@ -250,24 +288,38 @@ impl Batch<'_, '_> {
             }
         }
         let assets: Vec<AssetReport> = self.items.into_iter().filter_map(|item| item.report).collect();
-        let summary = Summary {
-            version: SUMMARY_VERSION,
-            program_version: env!("CARGO_PKG_VERSION").into(),
-            shard: self.settings.shard,
-            tags: self.settings.tags.clone(),
-            interrupted,
-            counts: Counts::of(&assets),
-            jobs: self.settings.jobs,
-            threads: self.settings.threads,
-            assets,
-            ..Summary::default()
-        };
+        let summary = Summary { interrupted, counts: Counts::of(&assets), assets, ..self.running.frame };
         (summary, self.journal)
+    }
+
+    /// Writes the page as far as the batch is. Without it the batch does as well: errors are told at its end.
+    fn show(&mut self) {
+        let begin = Instant::now();
+        let is_early = |(at, took): (Instant, Duration)| took > QUICK && begin - at < PAUSES * took;
+        if self.running.written.is_some_and(is_early) {
+            return;
+        }
+        let report = |item: &BatchItem| item.report.clone().unwrap_or_else(|| blank(item, Outcome::NotTried));
+        let assets: Vec<AssetReport> = self.items.iter().map(report).collect();
+        let open = self.items.iter().filter(|item| item.report.is_none());
+        let left: f64 = open.filter_map(|item| Some(item.cost()?.seconds)).sum();
+        let running = Running {
+            in_work: self.running.in_work.iter().map(|index| self.items[*index].position).collect(),
+            seconds_left: Some(left / self.settings.threads as f64),
+        };
+        let summary = Summary {
+            counts: Counts::of(&assets),
+            assets,
+            seconds: self.running.start.elapsed().as_secs_f64(),
+            ..self.running.frame.clone()
+        };
+        let _ = publish_running(&summary, &running, &self.settings.places.out);
+        self.running.written = Some((Instant::now(), begin.elapsed()));
     }
 }
 
 impl JobHandler for Batch<'_, '_> {
-    fn job(&mut self, assignment: &Assignment) -> (Job, Option<f64>) {
+    fn job(&mut self, assignment: &Assignment) -> (Job, Limits) {
         let BatchItem { asset, decision, .. } = &self.items[assignment.index];
         let identity = decision.identity.clone().unwrap_or_default();
         let files = self.settings.places.files(&asset.name, Some(&identity.key), asset.report);
@@ -284,11 +336,17 @@ impl JobHandler for Batch<'_, '_> {
             files,
         };
         let job = Job { task: Task::Make(Box::new(task)), threads: assignment.threads };
-        (job, asset.timeout.or(self.settings.timeout))
+        let limits = Limits {
+            bake: asset.timeout.or(self.settings.timeout),
+            report: asset.report_timeout.or(self.settings.report_timeout),
+        };
+        (job, limits)
     }
 
     fn started(&mut self, slot: usize, assignment: &Assignment) {
         (self.on_event)(Event::Started { slot, name: &self.items[assignment.index].asset.name });
+        self.running.in_work.insert(assignment.index);
+        self.show();
     }
 
     fn step(&mut self, slot: usize, assignment: &Assignment, step: &str) {
@@ -316,6 +374,8 @@ impl JobHandler for Batch<'_, '_> {
             self.failure = Some("the disk was full before; make room, and run the batch again".into());
         }
         self.settle(Some(slot), assignment.index, report);
+        self.running.in_work.remove(&assignment.index);
+        self.show();
         Ok(!is_full)
     }
 }

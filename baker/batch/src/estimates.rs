@@ -1,8 +1,8 @@
 //! Costs of many assets, found by the workers; and the part of a batch that is a shard's.
 
 use super::assets::PlannedAsset;
-use super::job::{BakeInput, Cost, Job, Reply, Task};
-use super::pool::{JobHandler, WorkerPool};
+use super::job::{BakeInput, Cost, Estimate, Job, Reply, Task};
+use super::pool::{JobHandler, Limits, WorkerPool};
 use super::queue::{Assignment, JobQueue};
 use super::settings::BatchSettings;
 use super::shard::partition;
@@ -14,7 +14,7 @@ use volmap_bake::watch::Cancel;
 const MEMORY_PER_BYTE: u64 = 8;
 
 /// Costs by index, or why there is none.
-pub type Estimates = Vec<(usize, Result<Cost, String>)>;
+pub type Estimates = Vec<(usize, Result<Estimate, String>)>;
 
 /// Estimates what assets cost. Those that had no assignment before the pool was stopped are left out.
 ///
@@ -65,7 +65,7 @@ pub fn own_part(
     }
     let mut found = estimator.found;
     found.sort_by_key(|(index, _)| *index);
-    let costs: Vec<Option<Cost>> = found.iter().map(|(_, cost)| cost.as_ref().ok().copied()).collect();
+    let costs: Vec<Option<Cost>> = found.iter().map(|(_, found)| Some(found.as_ref().ok()?.cost)).collect();
     let shards = partition(&costs, shard.count);
     found.retain(|(index, _)| shards[*index] + 1 == shard.index);
     Ok(found)
@@ -80,10 +80,11 @@ struct Estimator<'a> {
 }
 
 impl JobHandler for Estimator<'_> {
-    fn job(&mut self, assignment: &Assignment) -> (Job, Option<f64>) {
+    fn job(&mut self, assignment: &Assignment) -> (Job, Limits) {
         let asset = self.assets[assignment.index].1;
         let job = Job { task: Task::Estimate(Box::new(bake_input(asset))), threads: assignment.threads };
-        (job, asset.timeout.or(self.timeout).filter(|_| !self.all_or_none))
+        let bake = asset.timeout.or(self.timeout).filter(|_| !self.all_or_none);
+        (job, Limits { bake, report: None })
     }
 
     fn finished(
@@ -93,8 +94,8 @@ impl JobHandler for Estimator<'_> {
         reply: Result<Reply, String>,
     ) -> Result<bool, Error> {
         let (index, asset) = self.assets[assignment.index];
-        let cost = match reply {
-            Ok(Reply::Estimated(cost)) => Ok(cost),
+        let estimate = match reply {
+            Ok(Reply::Estimated(estimate)) => Ok(estimate),
             Ok(Reply::Failed { error, .. }) => Err(error),
             Ok(other) => Err(format!("its worker answered {other:?}")),
             Err(how) if self.all_or_none => {
@@ -102,7 +103,7 @@ impl JobHandler for Estimator<'_> {
             }
             Err(how) => Err(how),
         };
-        self.found.push((index, cost));
+        self.found.push((index, estimate));
         Ok(true)
     }
 }
@@ -111,13 +112,13 @@ impl JobHandler for Estimator<'_> {
 ///
 /// # Errors
 /// Why it can't be made, in words.
-pub fn within(estimate: &Result<Cost, String>, allowed: u64) -> Result<Cost, String> {
-    match estimate {
-        Ok(cost) if cost.memory > allowed => {
-            Err(volmap_bake::Error::Memory { needed: cost.memory, allowed }.to_string())
-        }
-        other => other.clone(),
+pub fn within(estimate: &Result<Estimate, String>, allowed: u64) -> Result<Cost, String> {
+    let Estimate { cost, length, .. } = estimate.as_ref().map_err(String::clone)?;
+    if cost.memory <= allowed {
+        return Ok(*cost);
     }
+    let source = Box::new(volmap_bake::Error::Memory { needed: cost.memory, allowed });
+    Err(volmap_bake::Error::Sized { about: length.clone(), source }.to_string())
 }
 
 /// The mesh of an asset, and how it becomes one.
@@ -126,5 +127,6 @@ pub fn bake_input(asset: &PlannedAsset) -> BakeInput {
         mesh: asset.mesh.clone(),
         parameters: asset.parameters.clone(),
         error_points: asset.error_points,
+        report: asset.report,
     }
 }

@@ -1,7 +1,8 @@
 //! What an asset is like, as it says itself.
 
 use super::summary::Figures;
-use volmap_bake::describe::{VOLUME_ERROR_MAX, VOLUME_ERROR_POINTS, VOLUME_ERROR_RMS};
+use volmap_bake::describe::{SIGN_DOUBT, VOLUME_ERROR_MAX, VOLUME_ERROR_POINTS, VOLUME_ERROR_RMS};
+use volmap_bake::doubt::has_solid;
 use volmap_formats::asset::{Asset, Attributes, Value};
 
 /// The figures of an asset.
@@ -20,6 +21,8 @@ pub fn figures(asset: &Asset) -> Figures {
         volume_error_max: real(&asset.bake, VOLUME_ERROR_MAX),
         volume_error_rms: real(&asset.bake, VOLUME_ERROR_RMS),
         volume_error_points: integer(&asset.bake, VOLUME_ERROR_POINTS).unwrap_or(0),
+        has_solid: has_solid(asset.signed_distance.to_f64().into_iter(), asset.support_radius),
+        sign_doubt: real(&asset.diagnosis, SIGN_DOUBT).unwrap_or(0.0),
         warnings,
     }
 }

@@ -1,7 +1,7 @@
 //! An asset on its way through a batch.
 
 use super::assets::PlannedAsset;
-use super::job::Cost;
+use super::job::{Cost, Estimate};
 use super::state::Decision;
 use super::summary::AssetReport;
 
@@ -14,7 +14,7 @@ pub struct BatchItem<'e> {
     /// In the manifest's order, from 0.
     pub position: usize,
     /// What it costs, or why that can't be told, once it is estimated.
-    pub estimate: Option<Result<Cost, String>>,
+    pub estimate: Option<Result<Estimate, String>>,
     /// What came of it, once it is known.
     pub report: Option<AssetReport>,
 }
@@ -22,6 +22,6 @@ pub struct BatchItem<'e> {
 impl BatchItem<'_> {
     /// What it costs, if that is known.
     pub fn cost(&self) -> Option<Cost> {
-        self.estimate.as_ref()?.as_ref().ok().copied()
+        Some(self.estimate.as_ref()?.as_ref().ok()?.cost)
     }
 }

@@ -1,11 +1,15 @@
 //! The protocol between a batch and its workers, a line of JSON each: jobs one way, replies the other.
 
+use super::gates::FailedGate;
 use super::manifest::Gates;
 use super::summary::Figures;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use volmap_bake::content_key::Identity;
 use volmap_bake::parameters::Parameters;
+
+/// The step with which the report of an asset begins.
+pub const REPORT_STEP: &str = "measuring for the report";
 
 /// Something for a worker to do.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -34,6 +38,8 @@ pub struct BakeInput {
     pub parameters: Parameters,
     /// Points at which the volume's error is measured.
     pub error_points: u32,
+    /// Whether a report is wanted.
+    pub report: bool,
 }
 
 /// An asset to be made.
@@ -94,7 +100,7 @@ pub enum Reply {
     /// A step of the job starts; more replies follow.
     Step(String),
     /// The cost.
-    Estimated(Cost),
+    Estimated(Estimate),
     /// The asset lies where it should.
     Made(Box<MakeResult>),
     /// The job failed.
@@ -104,6 +110,17 @@ pub enum Reply {
         /// Because there is no room for files.
         disk_full: bool,
     },
+}
+
+/// What is known of an asset before it is made.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Estimate {
+    /// Its cost.
+    pub cost: Cost,
+    /// The mesh's length in words, for who wonders at the cost.
+    pub length: String,
+    /// What a careful person would look at before the bake.
+    pub warnings: Vec<String>,
 }
 
 /// Estimated cost of an asset.
@@ -123,7 +140,7 @@ pub struct MakeResult {
     /// Not baked, but taken from this candidate.
     pub from: Option<PathBuf>,
     /// Gates that refused it.
-    pub failed_gates: Vec<String>,
+    pub failed_gates: Vec<FailedGate>,
     /// What it is like.
     pub figures: Figures,
     /// Size of its file.

@@ -14,7 +14,7 @@ pub fn junit(summary: &Summary) -> String {
     let numbers = format!(
         "tests=\"{}\" failures=\"{}\" errors=\"{}\" skipped=\"{}\" time=\"{}\"",
         summary.assets.len(),
-        counts.rejected,
+        counts.rejected + counts.doubtful,
         counts.failed,
         counts.not_tried,
         seconds(Some(summary.seconds))
@@ -51,7 +51,7 @@ fn case(out: &mut String, asset: &AssetReport) {
     let (message, kind) = (bad_news(asset), text(asset.outcome.name()));
     match asset.outcome {
         Outcome::Built | Outcome::Reused | Outcome::Unchanged => (),
-        Outcome::Rejected => element(out, "failure", &kind, &message),
+        Outcome::Doubtful | Outcome::Rejected => element(out, "failure", &kind, &message),
         Outcome::Failed => element(out, "error", &kind, &message),
         Outcome::NotTried => _ = writeln!(out, "      <skipped message=\"{}\"/>", text(&message)),
     }

@@ -50,6 +50,7 @@ pub mod item;
 pub mod job;
 pub mod journal;
 pub mod junit;
+pub mod left_out;
 pub mod log;
 pub mod make;
 pub mod manifest;

@@ -6,6 +6,18 @@ use serde_json::json;
 use std::path::Path;
 use volmap_formats::text::{bytes, duration, number, percent, printable_line};
 
+/// An asset and its outcome in a line, and below it a line for each warning of its bake.
+pub fn lines(asset: &AssetReport) -> String {
+    let warnings =
+        warnings(asset).iter().map(|warning| printable_line(&format!("{:<10} warning: {warning}", "")));
+    [line(asset)].into_iter().chain(warnings).collect::<Vec<_>>().join("\n")
+}
+
+/// What the bake warned of.
+pub fn warnings(asset: &AssetReport) -> &[String] {
+    asset.figures.as_ref().map_or(&[], |figures| &figures.warnings)
+}
+
 /// An asset and its outcome in a line.
 pub fn line(asset: &AssetReport) -> String {
     let mut facts: Vec<String> = asset.bytes.map(bytes).into_iter().collect();
@@ -14,6 +26,8 @@ pub fn line(asset: &AssetReport) -> String {
     // Of what wasn't baked, the time is that of another day.
     let baked = !matches!(asset.outcome, Outcome::Unchanged | Outcome::NotTried);
     facts.extend(asset.seconds.filter(|_| baked).map(|seconds| format!("{} s", number(seconds))));
+    let warnings = warnings(asset).len();
+    facts.extend((warnings > 0).then(|| counted_as(warnings, "warning", "warnings")));
     let is_bad = asset.error.is_some() || !asset.failed_gates.is_empty();
     let why = if is_bad { why(asset) } else { format!("({})", asset.reason) };
     let said = match (facts.is_empty(), is_bad) {
@@ -48,9 +62,12 @@ pub fn json_line(asset: &AssetReport) -> String {
 
 /// The end of a log as a JSON object: `"event": "summary"`, counts and time.
 pub fn json_closing(summary: &Summary) -> String {
-    let Summary { counts, interrupted, seconds, notes, .. } = summary;
-    json!({ "event": "summary", "counts": counts, "interrupted": interrupted, "seconds": seconds, "notes": notes })
-        .to_string()
+    let Summary { counts, interrupted, seconds, notes, left_out, .. } = summary;
+    json!({
+        "event": "summary", "counts": counts, "interrupted": interrupted, "seconds": seconds, "notes": notes,
+        "left_out": left_out
+    })
+    .to_string()
 }
 
 /// Bad assets that the end of a log repeats.
@@ -58,7 +75,7 @@ const REPEATED: usize = 10;
 
 /// The end of a log: the bad assets once more, how many came out how, the time, and where things lie.
 pub fn closing(summary: &Summary, folder: &Path) -> String {
-    let bad = |asset: &&AssetReport| matches!(asset.outcome, Outcome::Failed | Outcome::Rejected);
+    let bad = |asset: &&AssetReport| asset.outcome.is_bad();
     let bad: Vec<&AssetReport> = summary.assets.iter().filter(bad).collect();
     let mut lines: Vec<String> = bad.iter().take(REPEATED).map(|asset| line(asset)).collect();
     if bad.len() > REPEATED {
@@ -70,11 +87,22 @@ pub fn closing(summary: &Summary, folder: &Path) -> String {
         0 => "assets     none".into(),
         all => format!("assets     {all}: {}{stopped}", counted(&summary.counts)),
     });
+    let left_out =
+        summary.left_out.iter().map(|files| printable_line(&format!("left out   {}", files.told())));
+    lines.extend(left_out);
+    lines.extend(warned(summary).map(|warned| format!("warnings   {warned}")));
     let jobs = counted_as(summary.jobs, "job", "jobs");
     let threads = counted_as(summary.threads, "thread", "threads");
     lines.push(format!("time       {}, {jobs} on {threads}", duration(summary.seconds)));
     lines.push(printable_line(&format!("written    {}", folder.display())));
     lines.join("\n")
+}
+
+/// `5 in 3 assets`; none if there are none.
+pub fn warned(summary: &Summary) -> Option<String> {
+    let counts = || summary.assets.iter().map(|asset| warnings(asset).len()).filter(|count| *count > 0);
+    let (all, assets) = (counts().sum::<usize>(), counts().count());
+    (all > 0).then(|| format!("{all} in {}", counted_as(assets, "asset", "assets")))
 }
 
 /// `1 job`, `2 jobs`.
@@ -106,6 +134,22 @@ mod tests {
             "not tried  late: (new)",
         ];
         assert_eq!(lines, expected);
+    }
+
+    #[test]
+    fn warnings_follow_with_their_count() {
+        let mut warned = mixed();
+        let figures = warned.assets[0].figures.as_mut().unwrap();
+        figures.warnings = vec!["the mesh is open".into(), NASTY.into()];
+        let text = lines(&warned.assets[0]);
+        let found: Vec<&str> = text.lines().collect();
+        assert_eq!(
+            found[0],
+            "built      props/trees/oak: 45.6 kB, error 0.42 % of the ball, 1.25 s, 2 warnings (new)"
+        );
+        assert_eq!((found[1], found.len()), ("           warning: the mesh is open", 3));
+        assert!(closing(&warned, Path::new("baked")).contains("\nwarnings   2 in 1 asset\n"));
+        assert!(!closing(&mixed(), Path::new("baked")).contains("warnings"));
     }
 
     #[test]

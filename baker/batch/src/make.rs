@@ -1,6 +1,6 @@
 //! One asset of a batch, from its mesh or from a file of the same content key to its place.
 
-use super::job::{MakeResult, MakeTask};
+use super::job::{MakeResult, MakeTask, REPORT_STEP};
 use super::{figures::figures, gates, measure, preview};
 use crate::error::Error;
 use std::path::{Path, PathBuf};
@@ -10,7 +10,7 @@ use volmap_bake::content_key::{self, ATTRIBUTE, key_of};
 use volmap_bake::recipe::Recipe;
 use volmap_bake::watch::Watch;
 use volmap_formats::asset::{self, Asset, Value};
-use volmap_report::report::{self, page::page, report};
+use volmap_report::report::{ReportSettings, page::page, report};
 use volmap_runtime::VolumeMap;
 
 /// Makes an asset, its picture and its report. The asset comes last: if it is there, so is the rest.
@@ -91,7 +91,8 @@ fn baked(task: &MakeTask, recipe: &Recipe, watch: &Watch) -> Result<(Asset, Vec<
     let input = content_key::load(&task.input.mesh, recipe, &task.identity)?;
     let mut settings = recipe.bake.clone();
     settings.map.max_memory = task.max_memory;
-    let mut asset = bake(input.clone(), &settings, watch)?.asset;
+    let baked = bake(input.clone(), &settings, watch);
+    let mut asset = baked.map_err(|error| task.input.parameters.explain(error))?.asset;
     measure::note_error(&mut asset, &input, task.input.error_points, watch)?;
     asset.bake.insert(ATTRIBUTE.into(), task.identity.key.as_str().into());
     watch.step("compressing")?;
@@ -126,11 +127,13 @@ struct WrittenReport {
     html: String,
 }
 
-/// Without a verdict: gates may change, and the page stays.
+/// Its limit is that of the gate; if that changes, the page stays.
 fn report_of(asset: &Asset, task: &MakeTask, watch: &Watch) -> Result<WrittenReport, Error> {
-    watch.step("measuring for the report")?;
+    watch.step(REPORT_STEP)?;
     let mesh = content_key::load(&task.input.mesh, &task.input.parameters.recipe(), &task.identity)?;
-    let found = report(asset, Some(mesh), &report::ReportSettings::default(), &watch.silent())?;
+    let settings =
+        ReportSettings { max_error: task.gates.max_error.map(|most| most.0), ..ReportSettings::default() };
+    let found = report(asset, Some(mesh), &settings, &watch.silent())?;
     let json = serde_json::to_string_pretty(&found.findings).expect("numbers and text") + "\n";
     let html = page(&file_name(&task.files.good.asset), &found.findings, found.pictures()).to_html();
     Ok(WrittenReport { json, html })

@@ -58,8 +58,10 @@ pub struct Rules {
     pub bake: Parameters,
     /// What an asset must pass.
     pub gates: Gates,
-    /// Seconds after which a bake is ended as failed. Default: none.
+    /// Seconds after which a bake is ended as failed; its report isn't counted. Default: none.
     pub timeout: Option<f64>,
+    /// Seconds after which a report is ended, and its asset failed. Default: none.
+    pub report_timeout: Option<f64>,
     /// Points at which the volume's error is measured; 0: not at all. Default: 200.
     #[schemars(range(max = MAX_ERROR_POINTS))]
     pub error_points: Option<u32>,
@@ -67,10 +69,15 @@ pub struct Rules {
     pub report: Option<bool>,
 }
 
-/// What an asset must pass. Without any of it every asset is good that could be baked.
+/// What an asset must pass. The first two hold unless they are given: what fails them alone is doubtful.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default, expecting = "give a table")]
 pub struct Gates {
+    /// A node of the map must lie in the solid. Default: true; false for maps that shall have none.
+    pub must_have_solid: Option<bool>,
+    /// Largest part of the nodes at which the sign may be in doubt, because the mesh isn't closed or its faces don't run
+    /// one way round (1% or 0.01). Default: 1%; 100% allows all.
+    pub max_sign_disagreements: Option<Fraction>,
     /// Largest error of the volume in the fluid, as a part of the full ball (1% or 0.01).
     pub max_error: Option<Fraction>,
     /// Largest size of the asset's file, bytes, or as 2MB or 500kB.
@@ -106,9 +113,12 @@ pub struct Entry {
     /// What the assets must pass.
     #[serde(default)]
     pub gates: Gates,
-    /// Seconds after which a bake is ended as failed.
+    /// Seconds after which a bake is ended as failed; its report isn't counted.
     #[serde(default)]
     pub timeout: Option<f64>,
+    /// Seconds after which a report is ended, and its asset failed.
+    #[serde(default)]
+    pub report_timeout: Option<f64>,
     /// Points at which the volume's error is measured; 0: not at all.
     #[serde(default)]
     #[schemars(range(max = MAX_ERROR_POINTS))]
@@ -137,9 +147,12 @@ pub struct MapEntry {
     /// What the asset must pass.
     #[serde(default)]
     pub gates: Gates,
-    /// Seconds after which a bake is ended as failed.
+    /// Seconds after which a bake is ended as failed; its report isn't counted.
     #[serde(default)]
     pub timeout: Option<f64>,
+    /// Seconds after which a report is ended, and its asset failed.
+    #[serde(default)]
+    pub report_timeout: Option<f64>,
     /// Points at which the volume's error is measured; 0: not at all.
     #[serde(default)]
     #[schemars(range(max = MAX_ERROR_POINTS))]
@@ -232,6 +245,7 @@ impl Rules {
             bake: self.bake.over(&base.bake),
             gates: self.gates.over(&base.gates),
             timeout: self.timeout.or(base.timeout),
+            report_timeout: self.report_timeout.or(base.report_timeout),
             error_points: self.error_points.or(base.error_points),
             report: self.report.or(base.report),
         }
@@ -240,10 +254,12 @@ impl Rules {
     fn check(&self, at: &At) -> Checked {
         let bake = at.key("bake");
         self.bake.check().map_err(|mistake| bake.problem(mistake.key, mistake.reason))?;
-        let seconds = self.timeout.unwrap_or(1.0);
-        at.require("timeout", seconds > 0.0 && seconds <= MAX_TIMEOUT, || {
-            format!("{seconds} is no time; give seconds, above 0")
-        })?;
+        for (key, limit) in [("timeout", self.timeout), ("report_timeout", self.report_timeout)] {
+            let seconds = limit.unwrap_or(1.0);
+            at.require(key, seconds > 0.0 && seconds <= MAX_TIMEOUT, || {
+                format!("{seconds} is no time; give seconds, above 0")
+            })?;
+        }
         let points = self.error_points.unwrap_or(0);
         at.require("error_points", points <= MAX_ERROR_POINTS, || {
             format!("{points} are more than {MAX_ERROR_POINTS}")
@@ -255,6 +271,8 @@ impl Gates {
     /// What is given here, else what `base` gives.
     pub fn over(&self, base: &Gates) -> Gates {
         Gates {
+            must_have_solid: self.must_have_solid.or(base.must_have_solid),
+            max_sign_disagreements: self.max_sign_disagreements.or(base.max_sign_disagreements),
             max_error: self.max_error.or(base.max_error),
             max_bytes: self.max_bytes.or(base.max_bytes),
             must_be_closed: self.must_be_closed.or(base.must_be_closed),
@@ -269,6 +287,7 @@ impl Entry {
             bake: self.bake.clone(),
             gates: self.gates,
             timeout: self.timeout,
+            report_timeout: self.report_timeout,
             error_points: self.error_points,
             report: self.report,
         }
@@ -319,6 +338,7 @@ impl MapEntry {
             bake: self.bake.clone(),
             gates: self.gates,
             timeout: self.timeout,
+            report_timeout: self.report_timeout,
             error_points: self.error_points,
             report: self.report,
         }

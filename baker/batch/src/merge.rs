@@ -32,6 +32,7 @@ pub fn merge(mut parts: Vec<Summary>) -> Result<Summary, Error> {
         jobs: parts.iter().map(|part| part.jobs).sum(),
         threads: parts.iter().map(|part| part.threads).sum(),
         notes,
+        left_out: first.left_out.clone(),
         unreadable,
         leftovers,
         plan: first.plan.clone(),

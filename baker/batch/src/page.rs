@@ -1,8 +1,9 @@
 //! A batch as a page: `summary.html`.
 
-use super::log::{counted, counted_as, why};
+use super::left_out::LeftOut;
+use super::log::{counted, counted_as, warned, warnings, why};
 use super::summary::{AssetReport, Outcome, Summary};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
 use std::io::Read;
 use std::path::{Component, Path};
@@ -19,7 +20,8 @@ const LEGEND: &str = "Error: the largest of the volume, % of the full ball. Blue
 
 /// The page of a batch whose output is in `folder`, where it takes the previews from.
 pub fn page(summary: &Summary, folder: &Path) -> Page {
-    let mut sections: Vec<Section> = bad(summary).into_iter().chain(notes(summary)).collect();
+    let first = bad(summary).into_iter().chain(left_out(summary)).chain(notes(summary));
+    let mut sections: Vec<Section> = first.collect();
     let blocks = vec![Block::Paragraph(LEGEND.into()), Block::Table(assets(summary, folder))];
     sections.push(Section { title: "Assets".into(), blocks });
     sections.push(totals(summary));
@@ -30,7 +32,45 @@ pub fn page(summary: &Summary, folder: &Path) -> Page {
         verdict: verdict(summary),
         sections,
         footer: format!("volmap {}, volmap batch", summary.program_version),
+        refresh: None,
     }
+}
+
+/// A batch that is at work.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Running {
+    /// Positions of the assets that are in work.
+    pub in_work: BTreeSet<usize>,
+    /// Estimated time that is left, seconds; none if nothing is estimated yet.
+    pub seconds_left: Option<f64>,
+}
+
+/// How often a browser reads the page of a batch that is at work again, seconds.
+const REFRESH: u32 = 10;
+
+/// The same of a batch that is at work: what is not tried yet is to do, or in work.
+pub fn page_of_running(summary: &Summary, running: &Running, folder: &Path) -> Page {
+    let mut shown = summary.clone();
+    let is_open = |asset: &AssetReport| asset.outcome == Outcome::NotTried;
+    for asset in shown.assets.iter_mut().filter(|asset| is_open(asset)) {
+        asset.reason = if running.in_work.contains(&asset.position) { "in work" } else { "to do" }.into();
+    }
+    let (all, open) = (shown.assets.len(), shown.assets.iter().filter(|asset| is_open(asset)).count());
+    let mut page = page(&shown, folder);
+    let in_work = running.in_work.len();
+    let left = running.seconds_left.map(|left| format!("; about {} left", duration(left)));
+    page.verdict = Verdict {
+        outcome: page::Outcome::None,
+        headline: format!("At work: {} of {all} done", all - open),
+        text: format!(
+            "{in_work} in work, {} to do{}. The page is written anew whenever an asset is begun or done.",
+            open.saturating_sub(in_work),
+            left.unwrap_or_default()
+        ),
+        ..page.verdict
+    };
+    page.refresh = Some(REFRESH);
+    page
 }
 
 fn file_name(path: &str) -> &str {
@@ -49,7 +89,7 @@ fn subtitle(summary: &Summary) -> String {
 }
 
 fn is_good(asset: &AssetReport) -> bool {
-    matches!(asset.outcome, Outcome::Built | Outcome::Reused | Outcome::Unchanged)
+    asset.outcome.is_good()
 }
 
 fn verdict(summary: &Summary) -> Verdict {
@@ -70,6 +110,7 @@ fn verdict(summary: &Summary) -> Verdict {
     if let Some(worst) = assets.iter().filter(|asset| is_good(asset)).filter_map(error).reduce(f64::max) {
         figures.push(("largest error among good assets".into(), percent(worst)));
     }
+    figures.extend(warned(summary).map(|warned| ("warnings".to_owned(), warned)));
     figures.push(("wall time".into(), duration(summary.seconds)));
     let outcome = if passed { page::Outcome::Pass } else { page::Outcome::Fail };
     Verdict { outcome, text, figures, ..Verdict::default() }
@@ -80,16 +121,39 @@ fn error(asset: &AssetReport) -> Option<f64> {
     asset.figures.as_ref()?.volume_error_max
 }
 
-/// What failed and what was rejected, with causes.
+/// What failed, what was rejected and what is doubtful, with causes.
 fn bad(summary: &Summary) -> Option<Section> {
     let of = |outcome| summary.assets.iter().filter(move |asset| asset.outcome == outcome);
     let row = |asset: &AssetReport| {
         vec![Cell::text(asset.name.clone()), Cell::text(why(asset)), Cell::text(asset.outcome.name())]
     };
-    let rows: Vec<Vec<Cell>> = of(Outcome::Failed).chain(of(Outcome::Rejected)).map(row).collect();
+    let bad = of(Outcome::Failed).chain(of(Outcome::Rejected)).chain(of(Outcome::Doubtful));
+    let rows: Vec<Vec<Cell>> = bad.map(row).collect();
     let columns = vec![Column::sentences("asset"), Column::sentences("cause"), Column::text("outcome")];
-    let title = "Failed and rejected".into();
+    let title = "Failed, rejected and doubtful".into();
     let table = Table { caption: String::new(), columns, rows };
+    (!table.rows.is_empty()).then(|| Section { title, blocks: vec![Block::Table(table)] })
+}
+
+/// Files that aren't read.
+fn left_out(summary: &Summary) -> Option<Section> {
+    let row = |files: &LeftOut| {
+        let count = files.files.len();
+        vec![
+            Cell::text(files.format.clone()),
+            Cell::written(count.to_string(), count as f64),
+            Cell::text(files.files.join(", ")),
+            Cell::text(files.cure.clone()),
+        ]
+    };
+    let columns = vec![
+        Column::text("format"),
+        Column::number("files"),
+        Column::sentences("names"),
+        Column::sentences("how to convert them"),
+    ];
+    let table = Table { caption: String::new(), columns, rows: summary.left_out.iter().map(row).collect() };
+    let title = "Left out: files that aren't read".into();
     (!table.rows.is_empty()).then(|| Section { title, blocks: vec![Block::Table(table)] })
 }
 
@@ -105,13 +169,13 @@ fn assets(summary: &Summary, folder: &Path) -> Table {
         columns: vec![
             Column::text("asset"),
             Column::text("outcome"),
-            Column::number("size"),
+            Column::sentences("warnings"),
+            Column::sentences("why"),
             Column::number("error, %"),
+            Column::number("size"),
             Column::number("time, s"),
             Column::number("memory"),
             Column::text("tags"),
-            Column::sentences("why"),
-            Column::sentences("warnings"),
         ],
         rows: summary.assets.iter().map(|asset| row(asset, folder)).collect(),
     }
@@ -120,7 +184,6 @@ fn assets(summary: &Summary, folder: &Path) -> Table {
 fn row(asset: &AssetReport, folder: &Path) -> Vec<Cell> {
     let size = |n: Option<u64>| n.map_or(Cell::default(), |n| Cell::written(bytes(n), n as f64));
     let number = |x: Option<f64>| x.map_or(Cell::default(), Cell::number);
-    let warnings = asset.figures.as_ref().map_or(String::new(), |figures| figures.warnings.join("; "));
     let name = Cell {
         link: asset.report.as_deref().and_then(Link::new),
         thumbnail: asset.preview.as_deref().and_then(|path| preview(folder, path)),
@@ -129,14 +192,19 @@ fn row(asset: &AssetReport, folder: &Path) -> Vec<Cell> {
     vec![
         name,
         Cell::text(asset.outcome.name()),
-        size(asset.bytes),
+        Cell::text(numbered(warnings(asset))),
+        Cell::text(why(asset)),
         number(error(asset).map(|error| 100.0 * error)),
+        size(asset.bytes),
         number(asset.seconds),
         size(asset.peak_memory),
         Cell::text(asset.tags.join(", ")),
-        Cell::text(why(asset)),
-        Cell::text(warnings),
     ]
+}
+
+/// `2: this; that`; empty for none.
+fn numbered(warnings: &[String]) -> String {
+    if warnings.is_empty() { String::new() } else { format!("{}: {}", warnings.len(), warnings.join("; ")) }
 }
 
 /// A picture in the folder, if it is one.
@@ -267,7 +335,7 @@ mod tests {
         assert_eq!(page.verdict.outcome, page::Outcome::Fail);
         assert!(page.verdict.text.starts_with("3 of 6 assets are good: 1 built"), "{}", page.verdict.text);
         let titles: Vec<&str> = page.sections.iter().map(|section| section.title.as_str()).collect();
-        assert_eq!(titles, ["Failed and rejected", "Assets", "Totals"]);
+        assert_eq!(titles, ["Failed, rejected and doubtful", "Assets", "Totals"]);
         let [Block::Table(bad)] = &page.sections[0].blocks[..] else { panic!("a table") };
         let said: Vec<[&str; 2]> = bad.rows.iter().map(|row| [&*row[0].text, &*row[1].text]).collect();
         assert_eq!(said[0], ["bad", "meshes/bad.obj: line 3: a face needs three corners"]);
@@ -276,6 +344,53 @@ mod tests {
         let names: Vec<&str> = rows.iter().map(|row| row[0].text.as_str()).collect();
         assert_eq!(names, ["props/trees/oak", "duck", "tank", "props/rock", "bad", "late"]);
         assert!(rows.iter().all(|row| row.len() == table(&page).columns.len()));
+    }
+
+    #[test]
+    fn warnings_stand_early_with_their_count() {
+        let mut warned = mixed();
+        warned.assets[1].figures.as_mut().unwrap().warnings =
+            vec!["the mesh is open".into(), "no solid".into()];
+        let page = page(&warned, Path::new("none"));
+        assert_eq!(table(&page).columns[2].name, "warnings");
+        assert_eq!(table(&page).rows[1][2].text, "2: the mesh is open; no solid");
+        assert!(page.verdict.figures.contains(&("warnings".into(), "2 in 1 asset".into())));
+    }
+
+    #[test]
+    fn a_doubtful_asset_is_not_good() {
+        let gates = vec!["must_have_solid: no node lies inside".to_owned()];
+        let doubtful = AssetReport { outcome: Outcome::Doubtful, failed_gates: gates, ..asset(0, "sheet") };
+        let page = page(&batch(vec![doubtful]), Path::new("none"));
+        assert_eq!(page.verdict.outcome, page::Outcome::Fail);
+        assert_eq!(page.verdict.text, "0 of 1 assets are good: 1 doubtful.");
+        let [Block::Table(bad)] = &page.sections[0].blocks[..] else { panic!("a table") };
+        assert_eq!(
+            [&*bad.rows[0][1].text, &*bad.rows[0][2].text],
+            ["must_have_solid: no node lies inside", "doubtful"]
+        );
+    }
+
+    #[test]
+    fn a_batch_at_work_shows_what_is_to_do() {
+        let running = Running { in_work: [5].into(), seconds_left: Some(90.0) };
+        let mut summary = mixed();
+        summary.interrupted = false;
+        summary.assets.push(AssetReport { position: 6, name: "last".into(), ..summary.assets[5].clone() });
+        let page = page_of_running(&summary, &running, Path::new("none"));
+        assert_eq!(
+            (page.verdict.outcome, &*page.verdict.headline),
+            (page::Outcome::None, "At work: 5 of 7 done")
+        );
+        assert!(
+            page.verdict.text.starts_with("1 in work, 1 to do; about 1 min 30 s left"),
+            "{}",
+            page.verdict.text
+        );
+        let why: Vec<&str> = table(&page).rows[5..].iter().map(|row| row[3].text.as_str()).collect();
+        assert_eq!(why, ["in work", "to do"]);
+        assert!(page.to_html().contains("<meta http-equiv=\"refresh\" content=\"10\">"));
+        assert!(!super::page(&summary, Path::new("none")).to_html().contains("refresh"));
     }
 
     #[test]

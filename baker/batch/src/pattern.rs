@@ -1,6 +1,7 @@
 //! Paths and globs of a manifest, as Git's and most shells': `*` stops at `/`, `**` doesn't, and names that begin with
 //! a dot must be named.
 
+use super::left_out::is_foreign;
 use globset::{Glob, GlobBuilder, GlobMatcher};
 use std::path::{Path, PathBuf};
 use volmap_formats::mesh::MeshFormat;
@@ -29,6 +30,8 @@ struct GlobPattern {
 pub struct Files {
     /// Their paths, as the pattern's folder sees them, in the order of their bytes.
     pub paths: Vec<String>,
+    /// Those of formats that aren't read.
+    pub foreign: Vec<String>,
     /// Folders that couldn't be read, names that aren't Unicode.
     pub notes: Vec<String>,
     /// Folders that couldn't be looked into.
@@ -88,14 +91,18 @@ impl Pattern {
         &head[..head.rfind('/').map_or(0, |slash| slash + 1)]
     }
 
-    /// Whether it means this path, which is normal.
+    /// Whether it means this path, which is normal, as that of a mesh.
     pub fn matches(&self, path: &str) -> bool {
+        let any_file = self.glob.as_ref().is_none_or(|glob| !glob.meshes_only);
+        self.covers(path) && (any_file || MeshFormat::from_extension(Path::new(path)).is_some())
+    }
+
+    /// Whether it means this path, which is normal, whatever the file is.
+    pub fn covers(&self, path: &str) -> bool {
         let Some(glob) = &self.glob else { return self.text == path };
         let Some(rest) = path.strip_prefix(self.fixed_part()) else { return false };
         let named = |part: &str| !part.starts_with('.') || glob.hidden.iter().any(|glob| glob.is_match(part));
-        glob.all.is_match(path)
-            && rest.split('/').all(named)
-            && (!glob.meshes_only || MeshFormat::from_extension(Path::new(path)).is_some())
+        glob.all.is_match(path) && rest.split('/').all(named)
     }
 
     /// The files that it means; of a path the path, whether a file is there or not. Links to folders aren't followed.
@@ -138,6 +145,8 @@ impl Pattern {
         let path = format!("{}{rest}", self.fixed_part());
         if self.matches(&path) {
             files.paths.push(path);
+        } else if self.covers(&path) && is_foreign(&path) {
+            files.foreign.push(path);
         }
     }
 

@@ -1,7 +1,7 @@
 //! The worker pool: gives jobs from a queue to worker processes, passes on their replies, and ends workers that take
 //! too long or too much memory.
 
-use super::job::{Job, Reply};
+use super::job::{Job, REPORT_STEP, Reply, Task};
 use super::process::{Message, Worker};
 use super::queue::{Assignment, JobQueue};
 use crate::error::Error;
@@ -38,16 +38,71 @@ struct Slot {
 
 struct RunningJob {
     assignment: Assignment,
+    /// When the part that is in work began.
     since: Instant,
-    timeout: Option<f64>,
+    part: Part,
+    limits: Limits,
+    /// The last step that was told.
+    step: String,
     /// Why its worker was ended.
     killed: Option<String>,
+}
+
+/// Seconds that the parts of a job may take; none: as long as they want.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Limits {
+    /// Reading, baking, and measuring the error.
+    pub bake: Option<f64>,
+    /// The report, and writing the files.
+    pub report: Option<f64>,
+}
+
+/// Part of a job.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Part {
+    Estimate,
+    Bake,
+    Report,
+}
+
+impl RunningJob {
+    fn new(assignment: Assignment, job: &Job, limits: Limits) -> RunningJob {
+        let part = if matches!(job.task, Task::Estimate(_)) { Part::Estimate } else { Part::Bake };
+        RunningJob { assignment, since: Instant::now(), part, limits, step: String::new(), killed: None }
+    }
+
+    fn begin(&mut self, step: &str) {
+        self.step = step.to_owned();
+        if step == REPORT_STEP {
+            (self.part, self.since) = (Part::Report, Instant::now());
+        }
+    }
+
+    /// Why it is late, with the cure, if it is.
+    fn lateness(&self) -> Option<String> {
+        let limit = if self.part == Part::Report { self.limits.report } else { self.limits.bake };
+        let limit = limit.filter(|limit| self.since.elapsed().as_secs_f64() > *limit)?;
+        let step = if self.step.is_empty() { String::new() } else { format!(", while {}", self.step) };
+        Some(match self.part {
+            Part::Estimate => format!(
+                "reading and examining it took longer than its timeout of {limit} s{step}; allow more by `timeout`"
+            ),
+            Part::Bake => format!(
+                "its bake took longer than its timeout of {limit} s{step}; allow more by `timeout`, or take larger cells \
+                 (`cell_size`)"
+            ),
+            Part::Report => format!(
+                "its report took longer than its report_timeout of {limit} s; allow more by `report_timeout`, or do \
+                 without it (report = false)"
+            ),
+        })
+    }
 }
 
 /// Makes the jobs of a queue, and takes their results.
 pub trait JobHandler {
     /// The job of an assignment, and the seconds that it may take.
-    fn job(&mut self, assignment: &Assignment) -> (Job, Option<f64>);
+    fn job(&mut self, assignment: &Assignment) -> (Job, Limits);
     /// A job starts in a slot.
     fn started(&mut self, _slot: usize, _assignment: &Assignment) {}
     /// A step of it starts.
@@ -108,9 +163,9 @@ impl<'a> WorkerPool<'a> {
             self.slots[slot].worker = Some((self.next, worker));
             self.next += 1;
         }
-        let (job, timeout) = handler.job(&assignment);
+        let (job, limits) = handler.job(&assignment);
         handler.started(slot, &assignment);
-        self.slots[slot].job = Some(RunningJob { assignment, since: Instant::now(), timeout, killed: None });
+        self.slots[slot].job = Some(RunningJob::new(assignment, &job, limits));
         if let Some((_, worker)) = &mut self.slots[slot].worker {
             worker.send(&job);
         }
@@ -130,7 +185,8 @@ impl<'a> WorkerPool<'a> {
         let slot = &mut self.slots[index];
         let reply = match message {
             Message::Reply(Reply::Step(step)) => {
-                if let Some(job) = &slot.job {
+                if let Some(job) = &mut slot.job {
+                    job.begin(&step);
                     handler.step(index, &job.assignment, &step);
                 }
                 return Ok(true);
@@ -152,9 +208,8 @@ impl<'a> WorkerPool<'a> {
     fn end_late(&mut self) {
         for slot in &mut self.slots {
             let (Some(job), Some((_, worker))) = (&mut slot.job, &mut slot.worker) else { continue };
-            let Some(timeout) = job.timeout else { continue };
-            if job.killed.is_none() && job.since.elapsed().as_secs_f64() > timeout {
-                job.killed = Some(format!("took longer than its timeout of {timeout} s"));
+            if let (None, Some(why)) = (&job.killed, job.lateness()) {
+                job.killed = Some(why);
                 worker.kill();
             }
         }

@@ -1,7 +1,7 @@
 //! What a batch writes of itself: the summary, for programs, people and build servers.
 
 use super::junit::junit;
-use super::page::page;
+use super::page::{Running, page, page_of_running};
 use super::places::of_part;
 use super::summary::Summary;
 use crate::error::Error;
@@ -17,6 +17,15 @@ pub fn relative(path: &Path, folder: &Path) -> String {
     let up = folder.components().skip(shared).map(|_| "..".to_owned());
     let down = path.components().skip(shared).map(|part| part.as_os_str().to_string_lossy().into_owned());
     up.chain(down).collect::<Vec<_>>().join("/")
+}
+
+/// Writes `summary.html`, or that of a part, of a batch that is at work.
+///
+/// # Errors
+/// A file that can't be written.
+pub fn publish_running(summary: &Summary, running: &Running, out: &Path) -> Result<(), Error> {
+    let file = out.join(of_part("summary", "html", summary.shard, &summary.tags));
+    Ok(asset::publish(&file, page_of_running(summary, running, out).to_html().as_bytes())?)
 }
 
 /// Writes `summary.json`, `summary.html` and `junit.xml`, or those of a part, into the output folder.

@@ -99,10 +99,10 @@ mod tests {
             message
         };
         assert!(
-            refused("{\"version\": 2, \"new\": 1}")
-                .contains("has version 2, and this program reads version 1")
+            refused("{\"version\": 3, \"new\": 1}")
+                .contains("has version 3, and this program reads version 2")
         );
-        assert!(refused("{\"version\": 1}").contains("missing field `program_version`"));
+        assert!(refused("{\"version\": 2}").contains("missing field `program_version`"));
         assert!(refused("").contains("EOF"));
         let text = serde_json::to_string_pretty(&mixed()).unwrap();
         assert!(refused(&text[..text.len() / 2]).contains("line "));

@@ -18,8 +18,10 @@ pub struct BatchSettings {
     pub threads: usize,
     /// Memory of all jobs together, bytes.
     pub max_memory: u64,
-    /// Seconds for an asset whose manifest says nothing.
+    /// Seconds for a bake whose manifest says nothing.
     pub timeout: Option<f64>,
+    /// Seconds for a report whose manifest says nothing.
+    pub report_timeout: Option<f64>,
     /// Make everything anew.
     pub rebuild: bool,
     /// Which part to do.

@@ -3,7 +3,7 @@
 
 use super::assets::PlannedAsset;
 use super::figures::figures;
-use super::gates;
+use super::gates::{self, FailedGate};
 use super::job::{AssetFiles, OutputFiles};
 use super::journal::Records;
 use super::places::Places;
@@ -37,7 +37,7 @@ pub enum Action {
 /// A file that is what it should be.
 pub struct Kept {
     /// Gates that it doesn't pass.
-    pub failed_gates: Vec<String>,
+    pub failed_gates: Vec<FailedGate>,
     /// Size, bytes.
     pub bytes: u64,
     /// BLAKE3.

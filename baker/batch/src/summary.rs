@@ -1,11 +1,12 @@
 //! What came of a batch, for people and for programs: `summary.json`.
 
+use super::left_out::LeftOut;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use volmap_bake::content_key::Identity;
 
 /// Version of `summary.json`.
-pub const SUMMARY_VERSION: u32 = 1;
+pub const SUMMARY_VERSION: u32 = 2;
 
 /// What came of a batch, or of a shard of it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -34,6 +35,8 @@ pub struct Summary {
     pub threads: usize,
     /// What else there is to say: patterns without a mesh, assets that the manifest no longer lists.
     pub notes: Vec<String>,
+    /// Files that patterns meet and that aren't read, by their formats.
+    pub left_out: Vec<LeftOut>,
     /// Folders that couldn't be looked into: there may be more meshes.
     pub unreadable: Vec<String>,
     /// Names of assets that earlier batches made in this folder and that the manifest no longer lists.
@@ -64,6 +67,8 @@ pub struct Counts {
     pub reused: usize,
     /// See [`Outcome::Unchanged`].
     pub unchanged: usize,
+    /// See [`Outcome::Doubtful`].
+    pub doubtful: usize,
     /// See [`Outcome::Rejected`].
     pub rejected: usize,
     /// See [`Outcome::Failed`].
@@ -82,6 +87,9 @@ pub enum Outcome {
     Reused,
     /// The asset in the output folder is the one that is wanted.
     Unchanged,
+    /// Baked, now or before, but the map has no solid, or its signs are in doubt: the gates that hold by default. It lies
+    /// in the folder `rejected`; an older asset of its name stays as it was.
+    Doubtful,
     /// Baked, now or before, but a quality gate refused it. It lies in the folder `rejected`; an older asset of its
     /// name stays as it was.
     Rejected,
@@ -158,6 +166,10 @@ pub struct Figures {
     pub volume_error_rms: Option<f64>,
     /// Points at which it was measured.
     pub volume_error_points: u64,
+    /// Whether a node lies in the solid.
+    pub has_solid: bool,
+    /// Part of the nodes at which the sign is in doubt; 0 where it is exact.
+    pub sign_doubt: f64,
     /// Warnings of the bake.
     pub warnings: Vec<String>,
 }
@@ -184,6 +196,7 @@ impl Counts {
             built: count(Outcome::Built),
             reused: count(Outcome::Reused),
             unchanged: count(Outcome::Unchanged),
+            doubtful: count(Outcome::Doubtful),
             rejected: count(Outcome::Rejected),
             failed: count(Outcome::Failed),
             not_tried: count(Outcome::NotTried),
@@ -191,11 +204,12 @@ impl Counts {
     }
 
     /// Every outcome and its number.
-    pub fn by_outcome(&self) -> [(Outcome, usize); 6] {
+    pub fn by_outcome(&self) -> [(Outcome, usize); 7] {
         [
             (Outcome::Built, self.built),
             (Outcome::Reused, self.reused),
             (Outcome::Unchanged, self.unchanged),
+            (Outcome::Doubtful, self.doubtful),
             (Outcome::Rejected, self.rejected),
             (Outcome::Failed, self.failed),
             (Outcome::NotTried, self.not_tried),
@@ -204,17 +218,28 @@ impl Counts {
 
     /// Whether every asset that is known is there and good.
     pub fn all_good(&self) -> bool {
-        self.rejected + self.failed + self.not_tried == 0
+        self.doubtful + self.rejected + self.failed + self.not_tried == 0
     }
 }
 
 impl Outcome {
+    /// Whether the asset is there and good.
+    pub fn is_good(self) -> bool {
+        matches!(self, Outcome::Built | Outcome::Reused | Outcome::Unchanged)
+    }
+
+    /// Whether it was tried, and isn't good.
+    pub fn is_bad(self) -> bool {
+        matches!(self, Outcome::Doubtful | Outcome::Rejected | Outcome::Failed)
+    }
+
     /// Its name in reports.
     pub fn name(self) -> &'static str {
         match self {
             Outcome::Built => "built",
             Outcome::Reused => "reused",
             Outcome::Unchanged => "unchanged",
+            Outcome::Doubtful => "doubtful",
             Outcome::Rejected => "rejected",
             Outcome::Failed => "failed",
             Outcome::NotTried => "not tried",

@@ -1,10 +1,12 @@
 //! Whether the assets in a folder are those that a manifest wants: keys, checksums and gates, without baking.
 
 use super::assets::Expanded;
+use super::gates;
 use super::journal::past;
 use super::places::Places;
 use super::read::read;
 use super::state::{Action, Known, decide};
+use super::summary::Outcome;
 use super::threads::in_pool;
 use crate::error::Error;
 use rayon::prelude::*;
@@ -16,8 +18,24 @@ use std::path::{Path, PathBuf};
 pub struct Finding {
     /// The asset's name.
     pub name: String,
+    /// How it stands.
+    pub standing: Standing,
     /// What is wrong with it; nothing if it is good.
     pub problems: Vec<String>,
+}
+
+/// How an asset stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Standing {
+    /// It is what the manifest wants.
+    Good,
+    /// It has no solid, or its signs are in doubt.
+    Doubtful,
+    /// A gate refuses it.
+    Rejected,
+    /// It is missing, damaged, or follows from something else.
+    Outdated,
 }
 
 /// The manifest that the summary in a folder names.
@@ -44,13 +62,22 @@ pub fn verify(expanded: &Expanded, out: &Path, threads: usize) -> Vec<Finding> {
         let assets = expanded.assets.par_iter();
         assets
             .map(|asset| {
-                let problems = match decide(asset, &known).action {
-                    Action::Keep(kept) if kept.is_rejected => vec!["refused by its gates".to_owned()],
-                    Action::Keep(kept) => kept.failed_gates,
-                    Action::Make(why, _) | Action::Fail(why) => vec![why],
-                };
-                Finding { name: asset.name.clone(), problems }
+                let (standing, problems) = standing(decide(asset, &known).action);
+                Finding { name: asset.name.clone(), standing, problems }
             })
             .collect()
     })
+}
+
+fn standing(action: Action) -> (Standing, Vec<String>) {
+    let kept = match action {
+        Action::Keep(kept) => kept,
+        Action::Make(why, _) | Action::Fail(why) => return (Standing::Outdated, vec![why]),
+    };
+    let problems = gates::texts(&kept.failed_gates);
+    match gates::outcome(&kept.failed_gates) {
+        None => (Standing::Good, problems),
+        Some(Outcome::Doubtful) => (Standing::Doubtful, problems),
+        Some(_) => (Standing::Rejected, problems),
+    }
 }

@@ -22,7 +22,7 @@ fn task(folder: &Path) -> MakeTask {
     let identity = content_key::identify(&mesh, effective).unwrap();
     let places = Places { out: folder.join("out"), cache: Some(folder.join("cache")) };
     let files = places.files("cube", Some(&identity.key), true);
-    let input = BakeInput { mesh, parameters, error_points: 20 };
+    let input = BakeInput { mesh, parameters, error_points: 20, report: false };
     let (gates, candidates) = (Gates::default(), Vec::new());
     MakeTask { input, identity, gates, max_memory: 1 << 30, candidates, files }
 }

@@ -82,6 +82,7 @@ fn later_entries_go_over_earlier_ones_and_maps_over_all() {
         max_error: Some(Fraction(0.01)),
         max_bytes: Some(ByteSize(2_000_000)),
         must_be_closed: Some(true),
+        ..Gates::default()
     };
     let defaults = Parameters { support_radius: Some(0.1), invert: Some(true), ..Parameters::default() };
     let expected = PlannedAsset {
@@ -92,6 +93,7 @@ fn later_entries_go_over_earlier_ones_and_maps_over_all() {
         parameters: defaults.clone(),
         gates,
         timeout: Some(60.0),
+        report_timeout: None,
         error_points: 200,
         report: false,
         fault: None,

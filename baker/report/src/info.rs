@@ -1,7 +1,10 @@
 //! What stands in an asset, for people and for programs.
 
+mod summary;
+
 use serde_json::{Map, Value as Json, json};
 use std::fmt::Write;
+pub use summary::to_summary;
 use volmap_formats::asset::{Array, Asset, Attributes, CellRun, DensityField, Exterior, Value};
 
 /// All but the fields themselves, as JSON.
@@ -43,7 +46,7 @@ pub fn to_json(asset: &Asset, file_bytes: u64) -> Json {
     out
 }
 
-/// The same for people.
+/// The same for people, line by line.
 pub fn to_text(asset: &Asset, file_bytes: u64) -> String {
     let json = to_json(asset, file_bytes);
     let mut out = String::new();

@@ -62,9 +62,12 @@ pub struct BatchArguments {
     /// Memory of all jobs together, as 4GiB or 500MB [default: three quarters of what is free]
     #[arg(long, value_name = "BYTES", help_heading = "Program")]
     pub max_memory: Option<ByteSize>,
-    /// Seconds for an asset, unless the manifest says otherwise
+    /// Seconds for a bake, unless the manifest says otherwise
     #[arg(long, value_name = "SECONDS", value_parser = seconds, help_heading = "Program")]
     pub timeout: Option<f64>,
+    /// Seconds for a report, unless the manifest says otherwise
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, help_heading = "Program")]
+    pub report_timeout: Option<f64>,
     /// Form of what is printed: a line an asset, or a JSON object an asset
     #[arg(long, value_enum, default_value_t, value_name = "FORM", help_heading = "Program")]
     pub log: Log,

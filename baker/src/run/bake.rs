@@ -28,7 +28,8 @@ pub fn run_bake(arguments: &BakeArguments) -> Result<()> {
     let recipe = arguments.recipe();
     let input = input::load(&arguments.mesh(), &recipe.input)?;
     let read_seconds = start.elapsed().as_secs_f64();
-    let planned = plan_bake(input, &recipe.bake, &watch)?;
+    let planned = plan_bake(input, &recipe.bake, &watch);
+    let planned = planned.map_err(|error| arguments.parameters.given.explain(error))?;
     planned.plan().into_iter().for_each(|plan| progress.plan(plan));
     let mut baked = planned.run(&watch)?;
     watch.check()?;

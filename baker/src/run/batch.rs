@@ -12,6 +12,7 @@ use volmap_bake::parameters::Parameters;
 use volmap_batch::assets::{Expanded, expand};
 use volmap_batch::check::{Check, Checked, check};
 use volmap_batch::engine::{self, Event};
+use volmap_batch::left_out::LeftOut;
 use volmap_batch::manifest::{self, Manifest};
 use volmap_batch::memory::free_memory;
 use volmap_batch::merge::merge;
@@ -21,8 +22,9 @@ use volmap_batch::publish::publish;
 use volmap_batch::read::{find_parts, read as read_summary};
 use volmap_batch::settings::BatchSettings;
 use volmap_batch::summary::{Outcome, Summary};
+use volmap_batch::verify::Standing;
 use volmap_batch::{log, verify, worker};
-use volmap_formats::text::{bytes, duration};
+use volmap_formats::text::{bytes, duration, printable_line};
 
 /// Some assets aren't there, or aren't good.
 const SOME_FAILED: u8 = 1;
@@ -64,7 +66,10 @@ fn start(arguments: &BatchArguments) -> Result<ExitCode> {
         }
         match arguments.log {
             Log::Json => say(&format!("{:#}", found.to_json())),
-            Log::Text => show_check(&found, arguments.explain),
+            Log::Text => {
+                expanded.left_out.iter().for_each(|files| say(&format!("left out       {}", files.told())));
+                show_check(&found, arguments.explain);
+            }
         }
         return Ok(success(found.assets.iter().all(|asset| asset.cost.is_ok())));
     }
@@ -72,11 +77,11 @@ fn start(arguments: &BatchArguments) -> Result<ExitCode> {
     let mut on_event = |event: Event| {
         if let Event::Finished { report, .. } = &event {
             let is_news = arguments.explain || report.outcome != Outcome::Unchanged;
-            let is_bad = matches!(report.outcome, Outcome::Failed | Outcome::Rejected);
+            let is_bad = report.outcome.is_bad();
             match arguments.log {
                 _ if arguments.quiet && !is_bad => {}
                 Log::Json => progress.print(&log::json_line(report)),
-                Log::Text if is_news => progress.print(&log::line(report)),
+                Log::Text if is_news => progress.print(&log::lines(report)),
                 Log::Text => {}
             }
         }
@@ -131,7 +136,8 @@ fn select(expanded: &mut Expanded, tags: &[String]) -> Result<()> {
     }
     expanded.assets.retain(|asset| tags.is_empty() || tags.iter().any(|tag| asset.tags.contains(tag)));
     if expanded.assets.is_empty() {
-        let notes = expanded.notes.join("; ");
+        let left_out = expanded.left_out.iter().map(LeftOut::told);
+        let notes = expanded.notes.iter().cloned().chain(left_out).collect::<Vec<_>>().join("; ");
         bail!("there is nothing to bake{}{notes}", if notes.is_empty() { "" } else { ": " });
     }
     Ok(())
@@ -165,6 +171,7 @@ fn settings(arguments: &BatchArguments) -> Result<BatchSettings> {
         threads,
         max_memory: arguments.max_memory.map(|size| size.0).or_else(free_memory).unwrap_or(DEFAULT_MEMORY),
         timeout: arguments.timeout,
+        report_timeout: arguments.report_timeout,
         rebuild: arguments.rebuild,
         shard: arguments.shard,
         tags: arguments.tag.clone(),
@@ -219,6 +226,7 @@ fn show_check(found: &Check, explain: bool) {
                 bytes(cost.file)
             )),
         }
+        asset.warnings.iter().for_each(|text| say(&format!("{:14} warning: {text}", "")));
     }
     let can = |asset: &&Checked| asset.cost.is_ok();
     let is_made = |asset: &&Checked| asset.reason.is_some();
@@ -269,7 +277,10 @@ fn verify_folder(arguments: &VerifyArguments) -> Result<ExitCode> {
         say(&serde_json::to_string_pretty(&findings)?);
     } else {
         for finding in &findings {
-            finding.problems.iter().for_each(|problem| say(&format!("{}: {problem}", finding.name)));
+            let doubtful = if finding.standing == Standing::Doubtful { "doubtful: " } else { "" };
+            let line =
+                |problem: &String| say(&printable_line(&format!("{}: {doubtful}{problem}", finding.name)));
+            finding.problems.iter().for_each(line);
         }
         if !arguments.quiet {
             say(&format!("{} of {} assets are good", findings.len() - bad, findings.len()));

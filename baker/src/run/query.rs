@@ -1,20 +1,28 @@
 //! `volmap info` and `volmap query`.
 
+use crate::options::with_options;
 use anyhow::{Context, Result};
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 use volmap_formats::asset;
+use volmap_formats::text::{bytes, printable};
 use volmap_report::{info, points};
 use volmap_runtime::VolumeMap;
 
-/// Shows what stands in an asset.
-pub fn run_info(path: &Path, json: bool) -> Result<()> {
+/// Shows what stands in an asset: a summary, or all of it.
+pub fn run_info(path: &Path, all: bool, json: bool) -> Result<()> {
     let asset = asset::read(path)?;
     let file_bytes = std::fs::metadata(path)?.len();
     let mut out = io::stdout().lock();
-    match json {
-        true => writeln!(out, "{:#}", info::to_json(&asset, file_bytes))?,
-        false => write!(out, "{}", info::to_text(&asset, file_bytes))?,
+    match (json, all) {
+        (true, _) => writeln!(out, "{:#}", info::to_json(&asset, file_bytes))?,
+        (_, true) => write!(out, "{}", info::to_text(&asset, file_bytes))?,
+        _ => {
+            let version = asset.format_version();
+            write!(out, "{}", printable(&with_options(&info::to_summary(&asset))))?;
+            writeln!(out, "asset      {} ({}), format version {version}", path.display(), bytes(file_bytes))?;
+            writeln!(out, "next       volmap info {} --all", path.display())?;
+        }
     }
     Ok(())
 }

@@ -33,7 +33,8 @@ impl Parameters {
             }
             row.range.check(&(row.numbers)(self)).map_err(|reason| Mistake { key, reason })?;
         }
-        Ok(())
+        let density = self.recipe().bake.map.density.map_or(Ok(()), |density| density.check());
+        density.map_err(|reason| Mistake { key: "density_quadrature", reason })
     }
 
     /// The rows of what is given.

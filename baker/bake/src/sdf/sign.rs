@@ -37,7 +37,7 @@ pub struct SignChoice {
 /// distance. Pseudonormals are there for comparison, and on demand.
 pub fn choose_sign(diagnosis: &Diagnosis) -> SignChoice {
     let trust = if diagnosis.balanced {
-        "exact, because every edge is run through as often one way as the other"
+        "exact, because the mesh is closed and consistently oriented"
     } else if !diagnosis.oriented {
         "doubtful, because triangles do not run the same way round"
     } else {

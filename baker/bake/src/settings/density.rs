@@ -2,6 +2,7 @@
 
 use crate::volume_map::quadrature::{Point, Rule};
 use volmap_formats::asset::{Array, DensityField};
+use volmap_formats::text::number;
 use volmap_runtime::KernelKind;
 
 /// The SPH kernels W that a density map can be baked for: those of the file's format.
@@ -30,6 +31,9 @@ pub struct DensitySettings {
     pub extension: f64,
 }
 
+/// Part of the kernel's integral that a rule may miss.
+const MOST_MISSED: f64 = 0.25;
+
 impl Default for DensitySettings {
     fn default() -> Self {
         DensitySettings { kernel: KernelKind::default(), rule: Rule::GaussLegendre(50), extension: 1.0 }
@@ -42,6 +46,24 @@ impl DensitySettings {
         let weighted =
             |p: Point| Point { weight: p.weight * self.kernel.unit_value(p.position.length()), ..p };
         self.rule.points().into_iter().map(weighted).collect()
+    }
+
+    /// Whether the rule knows the kernel at all: W integrates to 1, which coarse rules miss.
+    ///
+    /// # Errors
+    /// In words, with the cure.
+    pub fn check(&self) -> Result<(), String> {
+        let integral: f64 = self.points().iter().map(|p| p.weight).sum();
+        if (integral - 1.0).abs() <= MOST_MISSED {
+            return Ok(());
+        }
+        let by = Self::default().rule;
+        Err(format!(
+            "{} is too coarse for the kernel {}: its integral comes out as {}, not 1; take {by}",
+            self.rule,
+            self.kernel,
+            number(integral)
+        ))
     }
 
     /// The largest density, over rest density, at points up to `depth` inside the solid (metres): that of a half space.

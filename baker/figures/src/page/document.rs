@@ -15,6 +15,8 @@ pub struct Page {
     pub sections: Vec<Section>,
     /// Last line: program and version; may be empty.
     pub footer: String,
+    /// Seconds after which a browser reads the file again, if what it shows goes on.
+    pub refresh: Option<u32>,
 }
 
 /// The answer of the page.

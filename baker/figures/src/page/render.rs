@@ -18,11 +18,13 @@ impl Page {
     /// The whole file.
     pub fn to_html(&self) -> String {
         let title = escape(&self.title);
+        let again = |seconds| format!("<meta http-equiv=\"refresh\" content=\"{seconds}\">\n");
+        let refresh = self.refresh.map(again).unwrap_or_default();
         let mut out = format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
              <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; \
              style-src 'unsafe-inline'; script-src 'sha256-{SCRIPT_HASH}'; base-uri 'none'; form-action 'none'\">\n\
-             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+             {refresh}<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
              <meta name=\"color-scheme\" content=\"light dark\">\n<title>{title}</title>\n\
              <link rel=\"icon\" href=\"data:,\">\n<style>\n{STYLE}</style>\n</head>\n<body>\n<header>\n<h1>{title}</h1>\n"
         );
@@ -212,6 +214,7 @@ mod tests {
             },
             sections: vec![section.clone(), section.clone(), section],
             footer: text(),
+            refresh: None,
         }
     }
 

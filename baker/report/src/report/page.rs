@@ -27,6 +27,7 @@ pub fn page(name: &str, findings: &Findings, pictures: Vec<Picture>) -> Page {
         verdict: verdict(findings),
         sections,
         footer: format!("volmap {}, volmap report", findings.program_version),
+        refresh: None,
     }
 }
 

@@ -79,15 +79,6 @@ pub struct Library<'a> {
     on_bake: &'a mut dyn FnMut(&Path),
 }
 
-/// Where baked maps are kept if the scene doesn't say: `volmap` in the user's cache folder.
-pub fn default_cache() -> PathBuf {
-    let folder = |name: &str| std::env::var_os(name).map(PathBuf::from).filter(|path| path.is_absolute());
-    let home =
-        || Some(folder("HOME")?.join(if cfg!(target_os = "macos") { "Library/Caches" } else { ".cache" }));
-    let found = folder("XDG_CACHE_HOME").or_else(|| folder("LOCALAPPDATA")).or_else(home);
-    found.unwrap_or_else(std::env::temp_dir).join("volmap")
-}
-
 /// A mesh as a bake would take it: scaled, triangles the right way round.
 ///
 /// # Errors
@@ -370,6 +361,7 @@ impl<'a> Library<'a> {
             (given.density, given.kernel) = (Some(true), Some(DensityKernel(kernel)));
         }
         let mut recipe = given.recipe();
+        recipe.bake.kernel_radius = Some(self.support_radius / self.closure.map_radius(1.0));
         let map = &mut recipe.bake.map;
         map.support_radius.get_or_insert(self.support_radius);
         map.max_memory = self.max_memory.unwrap_or(map.max_memory);
@@ -400,6 +392,12 @@ fn cannot_bake(path: &Path, error: volmap_bake::Error) -> Error {
             needed >> 20,
             allowed >> 20
         ),
+        volmap_bake::Error::Sized { about, source } => match cannot_bake(path, *source) {
+            Error::Scene { place, reason } => {
+                return Error::Scene { place, reason: format!("{about}: {reason}") };
+            }
+            other => return other,
+        },
         other => return Error::Bake(other),
     };
     Error::Scene { place: path.display().to_string(), reason: format!("can't be baked: {reason}") }

@@ -4,7 +4,7 @@ use super::Scene;
 use super::body::{self, Body, Source};
 use super::fluid::EmitterSettings;
 use super::fluid::Fill;
-use super::map::{Library, Origin, Shape, default_cache};
+use super::map::{Library, Origin, Shape};
 use super::memory::{Limit, of_maps};
 use super::nozzle;
 use super::overlap::{BODY_MARGIN, drop_in_bodies};
@@ -12,6 +12,7 @@ use super::sources::{self, PlacedParticles, Solid, SourceCount};
 use crate::error::Error;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use volmap_bake::cache::default_folder;
 use volmap_bake::mesh::diagnose;
 use volmap_bake::primitive::PlacedPrimitive;
 use volmap_bake::sdf::{BoundaryDistance, MeshDistance, SignMethod};
@@ -83,7 +84,7 @@ impl PreparedBody {
 /// [`Error::Cancelled`] if a bake was stopped.
 pub fn prepare(scene: &Scene, watch: &Watch, on_bake: &mut dyn FnMut(&Path)) -> Result<Prepared, Error> {
     scene.validate()?;
-    let cache = scene.cache.clone().unwrap_or_else(default_cache);
+    let cache = scene.cache.clone().unwrap_or_else(default_folder);
     prepare_from(scene, Library::new(&scene.world(), cache, watch, on_bake))
 }
 
@@ -99,7 +100,7 @@ pub fn prepare_within(
 ) -> Result<Prepared, Error> {
     scene.validate()?;
     limit.check_scene(scene)?;
-    let cache = scene.cache.clone().unwrap_or_else(default_cache);
+    let cache = scene.cache.clone().unwrap_or_else(default_folder);
     let library = Library::new(&scene.world(), cache, watch, on_bake).with_memory(limit.bytes);
     let prepared = prepare_from(scene, library)?;
     let maps = of_maps(prepared.bodies.iter().map(|body| &body.map));
