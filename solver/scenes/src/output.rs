@@ -13,6 +13,7 @@ pub mod bodies;
 pub mod checkpoint;
 pub mod folder;
 pub mod frame;
+mod notes;
 pub mod particles;
 pub mod picture;
 pub mod poses;

@@ -9,9 +9,10 @@
 
 pub mod body;
 mod check;
+mod defaults;
 pub mod fluid;
 pub mod map;
-mod nozzle;
+pub mod nozzle;
 pub mod numbers;
 pub mod output;
 mod overlap;
@@ -103,6 +104,9 @@ pub struct Scene {
     /// When the run ends.
     #[serde(default)]
     pub stop: StopSettings,
+    /// What was decided when it was read that the user should know.
+    #[serde(skip)]
+    pub notes: Vec<String>,
 }
 
 fn default_gravity() -> [f64; 3] {
@@ -132,6 +136,7 @@ impl Default for Scene {
             solver: SolverSettings::default(),
             output: OutputSettings::default(),
             stop: StopSettings::default(),
+            notes: Vec::new(),
         }
     }
 }
@@ -145,6 +150,11 @@ impl Scene {
     /// Distance of neighbouring particles of a lattice at rest, metres.
     pub fn spacing(&self) -> f64 {
         2.0 * self.particle_radius
+    }
+
+    /// The same of the fluid's particles by their volume, at which nozzles give them.
+    pub fn rest_spacing(&self) -> f64 {
+        self.world().rest_spacing(&self.fluid)
     }
 
     /// Paths of its maps and meshes.

@@ -12,6 +12,7 @@ use crate::error::Error;
 use serde::{Deserialize, Serialize};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
+use volmap_fluid::settings::SolverSettings;
 use volmap_formats::asset::clear_leftovers;
 
 /// What is written.
@@ -27,6 +28,8 @@ pub struct FolderSettings {
     pub animate: bool,
     /// Speed and size of the animation.
     pub animation: AnimationSettings,
+    /// The limits of the run's solves, for what the summary says of them.
+    pub solver: SolverSettings,
 }
 
 impl Default for FolderSettings {
@@ -37,6 +40,7 @@ impl Default for FolderSettings {
             picture: PictureSettings::default(),
             animate: true,
             animation: AnimationSettings::default(),
+            solver: SolverSettings::default(),
         }
     }
 }
@@ -171,7 +175,7 @@ impl Output {
     /// # Errors
     /// A file that can't be read or written.
     pub fn finish(&self) -> Result<RunSummary, Error> {
-        let summary = summarise(&self.steps.rows()?);
+        let summary = summarise(&self.steps.rows()?, &self.settings.solver);
         let json = serde_json::to_vec_pretty(&summary).expect("numbers and text");
         publish(&self.folder.join("stats.json"), &json)?;
         if !self.bodies.is_empty() {

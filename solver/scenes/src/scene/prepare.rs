@@ -7,6 +7,7 @@ use super::nozzle;
 use super::overlap::{BODY_MARGIN, drop_in_bodies};
 use super::sources::{self, PlacedParticles, Solid, SourceCount};
 use crate::error::Error;
+use glam::DVec3;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use volmap_bake::mesh::diagnose;
@@ -16,6 +17,7 @@ use volmap_fluid::boundary::particles;
 use volmap_fluid::emitter::Emitter;
 use volmap_fluid::settings::BoundaryMethod;
 use volmap_formats::mesh::TriangleMesh;
+use volmap_formats::text::percent;
 use volmap_runtime::{Pose, PosedMap, VolumeMap};
 
 /// What a simulation starts with.
@@ -81,10 +83,11 @@ pub fn prepare(scene: &Scene, watch: &Watch, on_bake: &mut dyn FnMut(&Path)) -> 
     let mut files = Vec::new();
     let bodies = prepare_bodies(scene, &mut library, &mut files)?;
     let solids = prepare_solids(scene, &mut library, &mut files)?;
-    let mut notes = library.notes;
+    let mut notes = scene.notes.clone();
+    notes.extend(library.notes);
     let posed: Vec<PosedMap> = bodies.iter().map(PreparedBody::posed).collect();
     let particles = sources::fill(scene, &solids, &posed)?;
-    let emitter = |settings| nozzle::emitter(settings, scene.particle_radius);
+    let emitter = |settings| nozzle::emitter(settings, scene.rest_spacing());
     let emitters: Vec<Emitter> = scene.emitters.iter().map(emitter).collect();
     check_not_empty(scene, &particles)?;
     notes.extend(particles.counts.iter().filter_map(left_out));
@@ -187,9 +190,11 @@ fn left_out(count: &SourceCount) -> Option<String> {
 }
 
 fn blocked(index: usize, emitter: &Emitter, bodies: &[PosedMap], scene: &Scene) -> Option<String> {
-    let mut places = emitter.layer().to_vec();
+    let mut places: Vec<DVec3> = emitter.places().collect();
+    let all = places.len();
     let blocked = drop_in_bodies(&mut places, bodies, BODY_MARGIN * scene.particle_radius);
-    let all = emitter.layer().len();
-    (blocked > 0)
-        .then(|| format!("emitters[{index}]: {blocked} of the {all} particles of a layer lie in a body"))
+    (blocked > 0).then(|| {
+        let part = percent(blocked as f64 / all as f64);
+        format!("emitters[{index}]: {part} of the nozzle lies in a body, and gives nothing there")
+    })
 }

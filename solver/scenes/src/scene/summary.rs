@@ -2,7 +2,7 @@
 
 use super::body::{self, Motion};
 use super::map::Origin;
-use super::nozzle;
+use super::nozzle::{self, Flow};
 use super::prepare::{Prepared, prepare};
 use super::sources::SourceCount;
 use super::{Scene, load};
@@ -13,7 +13,7 @@ use std::path::Path;
 use volmap_bake::watch::Watch;
 use volmap_fluid::lattice;
 use volmap_fluid::settings::BoundaryMethod;
-use volmap_formats::text::{bytes, thousands};
+use volmap_formats::text::{bytes, significant, thousands};
 
 /// Peak memory of a run per particle, measured at 1 to 3 million particles (640 to 720: solver/BENCHMARKS.md). Each run
 /// takes some 30 MB more.
@@ -58,8 +58,10 @@ pub struct SceneSummary {
 /// A source of particles, briefly.
 #[derive(Clone, Debug, Serialize)]
 pub struct SourceFacts {
-    /// Particles, if they are known; of an emitter those of a layer.
+    /// Particles, if they are known; of an emitter those of a layer, in the mean.
     pub particles: Option<u64>,
+    /// Of an emitter: what it gives.
+    pub flow: Option<Flow>,
     /// Key and file of the source.
     pub text: String,
     /// Whether the text tells the particles as well.
@@ -69,7 +71,7 @@ pub struct SourceFacts {
 
 impl SourceFacts {
     fn new(particles: Option<u64>, text: String) -> SourceFacts {
-        SourceFacts { particles, text, is_complete: false }
+        SourceFacts { particles, flow: None, text, is_complete: false }
     }
 }
 
@@ -118,6 +120,7 @@ pub fn info(path: &Path) -> Result<SceneSummary, Error> {
     out.particles = scene.fills.is_empty().then(|| counts.iter().sum());
     out.add_emitters(&scene);
     out.estimate(counts.iter().sum());
+    out.notes.clone_from(&scene.notes);
     Ok(out)
 }
 
@@ -203,10 +206,17 @@ fn methods(scene: &Scene) -> Vec<String> {
 impl SceneSummary {
     fn add_emitters(&mut self, scene: &Scene) {
         for (i, settings) in scene.emitters.iter().enumerate() {
-            let layer = nozzle::emitter(settings, scene.particle_radius).layer().len() as u64;
-            let rate = layer as f64 * settings.speed / scene.spacing();
-            let text = format!("emitters[{i}]: {layer} particles per layer, {rate:.0} per second");
-            self.sources.push(SourceFacts { particles: Some(layer), text, is_complete: true });
+            let emitter = nozzle::emitter(settings, scene.rest_spacing());
+            let flow = nozzle::flow(settings, scene.rest_spacing(), &emitter);
+            let text = format!(
+                "emitters[{i}]: {} m^3/s asked, {} m^3/s given; {} particles per layer, {} per second",
+                significant(flow.asked, 4),
+                significant(flow.given, 4),
+                significant(emitter.particles_per_layer(), 3),
+                significant(emitter.particles_per_second(), 4),
+            );
+            let particles = Some(emitter.particles_per_layer().round() as u64);
+            self.sources.push(SourceFacts { particles, flow: Some(flow), text, is_complete: true });
         }
     }
 

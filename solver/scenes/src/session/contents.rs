@@ -19,6 +19,7 @@ pub fn folder_settings(scene: &Scene) -> FolderSettings {
         picture: PictureSettings { camera: settings.camera.clone(), ..Default::default() },
         animate: settings.preview.contains(&Picture::Apng),
         animation: AnimationSettings { frames_per_second, ..Default::default() },
+        solver: scene.solver.clone(),
     }
 }
 
@@ -38,7 +39,7 @@ pub fn picture_world(scene: &Scene, prepared: &Prepared, meshes: &[Option<BodyMe
     for &position in &prepared.particles.positions {
         bounds.add(position.as_vec3());
     }
-    for place in prepared.emitters.iter().flat_map(|emitter| emitter.layer()) {
+    for place in prepared.emitters.iter().flat_map(|emitter| emitter.places()) {
         bounds.add(place.as_vec3());
     }
     let mut props = Vec::new();
