@@ -412,7 +412,8 @@ fn particles_are_counted() {
     assert!(place.column("out", "time").last().unwrap() >= &0.8);
 }
 
-/// A sealed tank that is nine tenths full, and a nozzle in a solid: what there is no room for doesn't come, and is told.
+/// A sealed tank that is nine tenths full, and a nozzle in a solid: what there is no room for doesn't come, and is
+/// told.
 #[test]
 fn emitters_stop_where_nothing_fits() {
     let place = Place::new(

@@ -1,7 +1,7 @@
 //! Nozzles at work: layers of particles that leave at the moments when the flow has moved on by one spacing.
 //!
-//! A particle only leaves where there is room for it ([`Room`]); those for which there is none are held back for good and
-//! counted.
+//! A particle only leaves where there is room for it ([`Room`]); those for which there is none are held back for good
+//! and counted.
 
 use crate::room::Room;
 use serde::{Deserialize, Serialize};

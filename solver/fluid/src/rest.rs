@@ -50,9 +50,9 @@ impl World {
         relaxation * (SOFT / self.stiffness(fluid)).min(1.0)
     }
 
-    /// What pressures of the solves are multiplied by to be those of the fluid. A lattice's sums answer a compression by
-    /// less than a continuum's, the less of a density is the neighbours': the solves make up for it by more pressure, and
-    /// forces are right. By
+    /// What pressures of the solves are multiplied by to be those of the fluid. A lattice's sums answer a compression
+    /// by less than a continuum's, the less of a density is the neighbours': the solves make up for it by more
+    /// pressure, and forces are right. By
     /// ```text
     /// f = V / 3 sum of |W'| |x|    (1 in a continuum)
     /// ```

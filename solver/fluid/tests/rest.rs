@@ -88,7 +88,7 @@ fn densities_of_all_boundaries_are_by_the_fluids_kernel() {
             let plain = match boundary {
                 BoundaryMethod::VolumeMap => {
                     let closure = shape.map.closure(closure, world.kernel_of_size(), RP).unwrap();
-                    closure.density(&shape.map.sample(at).near().unwrap().surface, at).unwrap().density
+                    closure.density(&shape.map.sample(at).near().unwrap(), at).unwrap().density
                 }
                 _ => {
                     let kernel = world.kernel;

@@ -42,6 +42,9 @@ use volmap_runtime::{ClosureKind, Dimension, KernelKind};
 /// The version of the format that this program reads.
 pub const VERSION: u32 = 1;
 
+/// Support radii in particle radii from which on water at rest has the pressure of its depth (solver/VALIDATION.md).
+const LEAST_RADII: f64 = 3.5;
+
 /// A scene for volmap-sim, version 1. Lengths in metres, times in seconds, masses in kilograms, angles in
 /// degrees; files are named relative to the scene's own file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -52,7 +55,8 @@ pub struct Scene {
     pub version: u32,
     /// Radius of the fluid's particles, metres: half of their spacing.
     pub particle_radius: f64,
-    /// Support radius of the kernel, metres. Maps must be baked for it. Default: 4 particle radii.
+    /// Support radius of the kernel, metres, 3.5 to 10 particle radii. Maps must be baked for it. Default: 4 particle
+    /// radii.
     #[serde(default)]
     pub support_radius: Option<f64>,
     /// SPH kernel.
@@ -157,6 +161,19 @@ impl Scene {
         self.world().rest_spacing(&self.fluid)
     }
 
+    /// What the user should know of its settings.
+    pub(crate) fn all_notes(&self) -> Vec<String> {
+        let mut notes = self.notes.clone();
+        if self.kernel.lets_particles_pair() {
+            notes.push(format!(
+                "kernel {}: its particles come together in pairs, so that water at rest stands up to an eighth too low \
+                 and has up to a third too little pressure; take wendland_c2, cubic_spline or spiky",
+                self.kernel
+            ));
+        }
+        notes
+    }
+
     /// Paths of its maps and meshes.
     pub(crate) fn paths_mut(&mut self) -> impl Iterator<Item = &mut PathBuf> {
         let bodies = self.bodies.iter_mut().flat_map(|body| [&mut body.map, &mut body.mesh]);
@@ -199,10 +216,12 @@ impl Scene {
         }
         top.within("particle_radius", self.particle_radius, [1e-6, 1e3])?;
         let ratio = self.support_radius() / self.particle_radius;
-        if !(2.5..=10.0).contains(&ratio) {
+        if !(LEAST_RADII * (1.0 - 1e-9)..=10.0).contains(&ratio) {
             let reason = format!(
-                "{} m is {ratio:.2} particle radii; kernels need 2.5 to 10, as a rule 4",
-                self.support_radius()
+                "{} m is {ratio:.2} particle radii; kernel {} needs {LEAST_RADII} to 10, as a rule 4: with fewer \
+                 neighbours water at rest hasn't the pressure of its depth",
+                self.support_radius(),
+                self.kernel
             );
             return Err(top.problem("support_radius", reason));
         }

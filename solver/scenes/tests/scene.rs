@@ -163,6 +163,11 @@ fn values_out_of_range_are_named_and_placed() {
             "0.025\nsupport_radius = 0.02",
             "s.toml:4:1: support_radius: 0.02 m is 0.80 particle radii",
         ),
+        (
+            "0.025",
+            "0.025\nkernel = \"spiky\"\nsupport_radius = 0.075",
+            "0.075 m is 3.00 particle radii; kernel spiky needs 3.5 to 10",
+        ),
         ("-9.81", "inf", "s.toml:4:1: gravity: inf is not a usable number"),
         ("max = [1, 1, 1]", "max = [1, 0, 1]", "s.toml:8:1: blocks[0].max: [1.0, 0.0, 1.0] is not above min"),
         ("max = [1, 1, 1]", "max = [1, 0.01, 1]", "thinner than a particle"),

@@ -2,6 +2,7 @@
 
 use super::animation::{self, AnimationSettings};
 use super::bodies::{BodyMesh, write_mesh};
+use super::notes;
 use super::particles::{self, CollectionEntry, ParticleFormat};
 use super::picture::{Painter, PictureSettings, World};
 use super::poses::{self, BodyFile, PoseRow};
@@ -175,7 +176,8 @@ impl Output {
     /// # Errors
     /// A file that can't be read or written.
     pub fn finish(&self) -> Result<RunSummary, Error> {
-        let summary = summarise(&self.steps.rows()?, &self.settings.solver);
+        let steps = self.steps.rows()?;
+        let summary = RunSummary { notes: notes::of_run(&steps, &self.settings.solver), ..summarise(&steps) };
         let json = serde_json::to_vec_pretty(&summary).expect("numbers and text");
         publish(&self.folder.join("stats.json"), &json)?;
         if !self.bodies.is_empty() {

@@ -15,7 +15,8 @@ pub fn of_run(steps: &[StepStatistics], solver: &SolverSettings) -> Vec<String> 
     all.flatten().collect()
 }
 
-/// A fluid that is denser than at rest somewhere for more than a moment: how long at most without a break, and the worst.
+/// A fluid that is denser than at rest somewhere for more than a moment: how long at most without a break, and the
+/// worst.
 fn compressed(steps: &[StepStatistics]) -> Option<String> {
     let spells = steps.chunk_by(|a, b| is_compressed(a) == is_compressed(b)).filter(|s| is_compressed(&s[0]));
     let length = |spell: &&[StepStatistics]| spell.iter().map(|step| step.dt).sum::<f64>();

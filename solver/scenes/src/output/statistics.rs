@@ -1,10 +1,8 @@
 //! What each step did and how long it took, and a summary of all steps.
 
-use super::notes;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::time::Duration;
-use volmap_fluid::settings::SolverSettings;
 use volmap_fluid::simulation::{Simulation, StepReport};
 use volmap_fluid::stages::Stages;
 
@@ -36,8 +34,8 @@ pub struct StepStatistics {
     pub densest_y: f64,
     /// See `densest_x`.
     pub densest_z: f64,
-    /// What the solve that keeps the density left of the errors that it was to correct, mean over all particles, in parts
-    /// of the rest density. It corrects at most 1 % in a step.
+    /// What the solve that keeps the density left of the errors that it was to correct, mean over all particles, in
+    /// parts of the rest density. It corrects at most 1 % in a step.
     pub density_residual: f64,
     /// Mean change of the density in the step at the end of the other solve, in parts of the rest density.
     pub divergence_error: f64,
@@ -216,8 +214,8 @@ impl Spread {
     }
 }
 
-/// Sums up the steps of a run of these solves, in their order.
-pub fn summarise(steps: &[StepStatistics], solver: &SolverSettings) -> RunSummary {
+/// Sums up the steps of a run, in their order; without notes.
+pub fn summarise(steps: &[StepStatistics]) -> RunSummary {
     let spread = |of: fn(&StepStatistics) -> f64| Spread::of(steps.iter().map(of));
     let count = |of: fn(&StepStatistics) -> u64| steps.iter().map(of).sum();
     let last = steps.last().cloned().unwrap_or_default();
@@ -243,7 +241,7 @@ pub fn summarise(steps: &[StepStatistics], solver: &SolverSettings) -> RunSummar
         max_speed: spread(|s| s.max_speed),
         step_ms: spread(|s| s.step_ms),
         stages_ms: STAGES.map(|stage| (stage.name.to_owned(), spread(stage.milliseconds))).into(),
-        notes: notes::of_run(steps, solver),
+        notes: Vec::new(),
     }
 }
 
@@ -263,8 +261,7 @@ mod tests {
             removed: 2,
             ..StepStatistics::default()
         };
-        let solver = SolverSettings::default();
-        let summary = summarise(&[step(1, 10.0), step(2, 40.0), step(3, 20.0), step(4, 30.0)], &solver);
+        let summary = summarise(&[step(1, 10.0), step(2, 40.0), step(3, 20.0), step(4, 30.0)]);
         assert_eq!((summary.steps, summary.particles, summary.removed), (4, 4000, 8));
         assert_eq!(summary.simulated_seconds, 2.0);
         assert_eq!(summary.wall_seconds, 0.1);
@@ -273,8 +270,8 @@ mod tests {
         assert_eq!(summary.stages_ms["pressure"], pressure);
         assert_eq!(summary.density_iterations.median, 2.5);
         assert_eq!(
-            summarise(&[], &solver),
-            RunSummary { stages_ms: summarise(&[], &solver).stages_ms, ..RunSummary::default() }
+            summarise(&[]),
+            RunSummary { stages_ms: summarise(&[]).stages_ms, ..RunSummary::default() }
         );
     }
 }

@@ -21,8 +21,8 @@ struct GivenFluid {
     viscosity_method: Option<IgnoredAny>,
 }
 
-/// The default viscosity is explicit, and needs the shorter steps the smaller the particles are. Where the smallest step
-/// is longer it is taken implicitly.
+/// The default viscosity is explicit, and needs the shorter steps the smaller the particles are. Where the smallest
+/// step is longer it is taken implicitly.
 pub(super) fn adapt(scene: &mut Scene, given: &Given) {
     let GivenFluid { viscosity, viscosity_method } = &given.fluid;
     if viscosity.is_some() || viscosity_method.is_some() {

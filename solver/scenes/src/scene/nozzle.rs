@@ -27,7 +27,8 @@ const MOST_LAYERS: usize = 512;
 /// Shifts that are tried for a layer.
 const SHIFTS: u32 = 64;
 
-/// An emitter that hasn't emitted yet, for a fluid of this spacing at rest, metres. The settings must have been checked.
+/// An emitter that hasn't emitted yet, for a fluid of this spacing at rest, metres. The settings must have been
+/// checked.
 pub fn emitter(settings: &EmitterSettings, spacing: f64) -> Emitter {
     let direction = DVec3::from(settings.direction).normalize_or(DVec3::NEG_Y);
     let right = direction.cross(DVec3::Y).try_normalize().unwrap_or(DVec3::X);

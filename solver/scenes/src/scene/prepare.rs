@@ -83,7 +83,7 @@ pub fn prepare(scene: &Scene, watch: &Watch, on_bake: &mut dyn FnMut(&Path)) -> 
     let mut files = Vec::new();
     let bodies = prepare_bodies(scene, &mut library, &mut files)?;
     let solids = prepare_solids(scene, &mut library, &mut files)?;
-    let mut notes = scene.notes.clone();
+    let mut notes = scene.all_notes();
     notes.extend(library.notes);
     let posed: Vec<PosedMap> = bodies.iter().map(PreparedBody::posed).collect();
     let particles = sources::fill(scene, &solids, &posed)?;

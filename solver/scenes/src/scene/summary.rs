@@ -120,7 +120,7 @@ pub fn info(path: &Path) -> Result<SceneSummary, Error> {
     out.particles = scene.fills.is_empty().then(|| counts.iter().sum());
     out.add_emitters(&scene);
     out.estimate(counts.iter().sum());
-    out.notes.clone_from(&scene.notes);
+    out.notes = scene.all_notes();
     Ok(out)
 }
 
