@@ -452,8 +452,8 @@ fn emitters_stop_where_nothing_fits() {
     assert!(told.contains("100 % of the nozzle lies in a body"), "{told}");
     let [emitted, held, mean] =
         ["emitted", "held", "density_error"].map(|column| place.column("out", column));
-    // 900 less those in the small cube begin; 100 more fill the tank, and what the cube displaces.
-    assert!(emitted.iter().sum::<f64>() < 140.0, "{}", emitted.iter().sum::<f64>());
-    assert!(held.iter().sum::<f64>() > 100.0);
-    assert!(mean.iter().all(|&mean| mean < 0.05));
+    // 100 fill the tank, and some 40 what the small cube leaves of the lattice.
+    let [emitted, held] = [emitted, held].map(|counts| counts.iter().sum::<f64>());
+    assert!((50.0..160.0).contains(&emitted) && held > 100.0, "{emitted} {held}");
+    assert!(mean.iter().all(|&mean| mean < 0.03), "{mean:?}");
 }

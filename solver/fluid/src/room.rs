@@ -3,7 +3,6 @@
 //! full adds nothing.
 
 use crate::bodies::Bodies;
-use crate::compression::COMPRESSED;
 use glam::IVec3;
 use std::collections::HashMap;
 use volmap_runtime::{DVec3, PosedMap};
@@ -12,6 +11,8 @@ use volmap_runtime::{DVec3, PosedMap};
 /// gives way to what comes between its particles, but not to what lies on top of them.
 const NEAREST: f64 = 0.2;
 const NEAREST_BODY: f64 = 0.1;
+/// Fluid that is denser than at rest by more than this part has no room: what the density solve corrects in a step.
+pub const FULL: f64 = 0.01;
 
 /// Particles and bodies near some places. By default there are none, and there is room everywhere.
 #[derive(Clone, Debug, Default)]
@@ -38,7 +39,7 @@ impl Room {
         for (i, &x) in positions.iter().enumerate() {
             if x.cmpge(low).all() && x.cmple(high).all() {
                 let density = densities.get(i).map_or(1.0, |&density| f64::from(density));
-                let particle = (x, density > 1.0 + COMPRESSED);
+                let particle = (x, density > 1.0 + FULL);
                 room.cubes.entry(room.cube(x)).or_default().push(particle);
             }
         }

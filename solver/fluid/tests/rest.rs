@@ -49,7 +49,7 @@ fn a_full_lattice_has_the_rest_density() {
             assert!(inner.iter().all(|d| (d - 1.0).abs() < 1e-4), "{kernel}, {radii}: {inner:?}");
             // Nowhere is it much denser: the image of closure `mirror` is of layers, not of points.
             let most = near.iter().map(|(_, density, _)| *density).fold(0.0, f32::max);
-            assert!(most < 1.03, "{kernel}, {radii}: {most}");
+            assert!(most < 1.04, "{kernel}, {radii}: {most}");
         }
     }
 }

@@ -3,6 +3,7 @@
 
 use super::statistics::StepStatistics;
 use volmap_fluid::compression::COMPRESSED;
+use volmap_fluid::room::FULL;
 use volmap_fluid::settings::SolverSettings;
 use volmap_formats::text::{number, percent, thousands};
 
@@ -49,11 +50,11 @@ fn held(steps: &[StepStatistics]) -> Option<String> {
     let (held, emitted) = (count(|s| s.held), count(|s| s.emitted));
     Some(format!(
         "emitters held back {} of {} particles, the first at {} s: there was no room for them before the nozzle, \
-         in a body, in other fluid, or where the fluid is compressed by more than {}",
+         in a body, on top of other fluid, or where the fluid was denser than at rest by more than {}",
         thousands(held),
         thousands(held + emitted),
         number(first.time - first.dt),
-        percent(COMPRESSED),
+        percent(FULL),
     ))
 }
 
