@@ -5,7 +5,7 @@ use volmap_fluid::lattice::fill_box;
 use volmap_fluid::particles::Particles;
 use volmap_fluid::settings::{BoundaryMethod, FluidSettings, World};
 use volmap_fluid::setup::Setup;
-use volmap_fluid::shapes::{baked, cuboid};
+use volmap_fluid::shapes::{Shape, baked, cuboid};
 use volmap_fluid::simulation::Simulation;
 use volmap_runtime::{ClosureKind, DVec3, KernelKind};
 
@@ -16,24 +16,28 @@ fn world(kernel: KernelKind, radii: f64) -> World {
     World { kernel, particle_radius: RP, support_radius: radii * RP, ..World::default() }
 }
 
-/// A tank of half a metre, filled with so many layers.
-fn tank(world: World, fluid: FluidSettings, layers: u32) -> Simulation {
-    let size = DVec3::new(0.5, 0.7, 0.5);
-    let shape = baked(cuboid(DVec3::ZERO, size), world.support_radius, true).unwrap();
+/// A tank of half a metre for a support radius (rp).
+fn shape(radii: f64) -> Shape {
+    baked(cuboid(DVec3::ZERO, DVec3::new(0.5, 0.7, 0.5)), radii * RP, true).unwrap()
+}
+
+/// That tank, filled with so many layers.
+fn tank(world: World, shape: &Shape, layers: u32) -> Simulation {
     let bodies = vec![shape.body("tank", DVec3::ZERO, Motion::Static)];
     let bodies = Bodies::new(bodies, world.gravity).unwrap();
-    let top = size.with_y(2.0 * RP * f64::from(layers));
+    let top = DVec3::new(0.5, 2.0 * RP * f64::from(layers), 0.5);
     let places: Vec<DVec3> = fill_box([DVec3::ZERO, top], 2.0 * RP).collect();
     let mut particles = Particles::default();
     particles.add(&places, &vec![[0.0; 3]; places.len()]);
-    Simulation::new(Setup { fluid, ..Setup::new(world, particles, bodies) }).unwrap()
+    Simulation::new(Setup::new(world, particles, bodies)).unwrap()
 }
 
 #[test]
 fn a_full_lattice_has_the_rest_density() {
-    for kernel in KernelKind::ALL {
-        for radii in RADII {
-            let mut simulation = tank(world(kernel, radii), FluidSettings::default(), 10);
+    for radii in RADII {
+        let shape = shape(radii);
+        for kernel in KernelKind::ALL {
+            let mut simulation = tank(world(kernel, radii), &shape, 10);
             simulation.step().unwrap();
             // By densities of the beginning: the step moved particles by less than a thousandth of rp.
             let of = |x: &DVec3| [x.x, 0.5 - x.x, x.z, 0.5 - x.z, x.y].into_iter().fold(1.0, f64::min);
@@ -56,9 +60,10 @@ fn a_full_lattice_has_the_rest_density() {
 
 #[test]
 fn it_stays_as_calm_as_with_the_default_kernel() {
-    for kernel in KernelKind::ALL {
-        for radii in RADII {
-            let mut simulation = tank(world(kernel, radii), FluidSettings::default(), 6);
+    for radii in RADII {
+        let shape = shape(radii);
+        for kernel in KernelKind::ALL {
+            let mut simulation = tank(world(kernel, radii), &shape, 6);
             let (mut speed, mut density) = (0.0_f64, 0.0_f64);
             while simulation.time() < 0.25 {
                 let report = simulation.step().unwrap();
