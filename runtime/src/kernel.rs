@@ -4,6 +4,8 @@
 //! Wendland C2: Wendland 1995; Dehnen and Aly 2012, Table 1. Poly6 and Spiky: Mueller et al. 2003, *Particle-Based
 //! Fluid Simulation for Interactive Applications*, Eq. 20 and 21.
 
+mod lattice;
+
 use std::f64::consts::PI;
 use std::fmt;
 use std::str::FromStr;

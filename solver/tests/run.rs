@@ -529,7 +529,8 @@ fn changed_maps_and_meshes_are_refused() {
 
 #[test]
 fn explosions_end_with_their_cause() {
-    let place = Place::new(&SCENE.replace("max = 0.002", "adaptive = false\ninitial = 0.5"));
+    let given = "adaptive = false\ninitial = 0.5\n[fluid]\nviscosity = 0.01";
+    let place = Place::new(&SCENE.replace("max = 0.002", given));
     let viscous = place.refuse("out", &[]);
     assert!(viscous.contains("viscosity") && viscous.contains("time_step.initial"), "{viscous}");
     let text = SCENE.replace("max = 0.002", "adaptive = false\ninitial = 0.5\n[fluid]\nviscosity = 0.0");
@@ -577,4 +578,51 @@ fn particles_are_counted() {
     }
     assert!(emitted.iter().sum::<f64>() > 100.0 && removed.iter().sum::<f64>() > 50.0);
     assert!(place.column("out", "time").last().unwrap() >= &0.8);
+}
+
+/// A sealed tank that is nine tenths full, and a nozzle in a solid: what there is no room for doesn't come, and is
+/// told.
+#[test]
+fn emitters_stop_where_nothing_fits() {
+    let place = Place::new(
+        r#"
+        version = 1
+        particle_radius = 0.05
+        blocks = [{ min = [-0.5, 0.0, -0.5], max = [0.5, 0.9, 0.5] }]
+        [[emitters]]
+        position = [0.0, 0.95, 0.0]
+        direction = [0.0, -1.0, 0.0]
+        speed = 1.0
+        nozzle = { box = { width = 0.6, height = 0.6 } }
+        [[emitters]]
+        position = [0.0, 0.3, 0.0]
+        direction = [0.0, -1.0, 0.0]
+        speed = 1.0
+        nozzle = { circle = { radius = 0.08 } }
+        stop = 0.5
+        [[bodies]]
+        mesh = "cube.obj"
+        bake = { invert = true }
+        translation = [0.0, 0.5, 0.0]
+        [[bodies]]
+        mesh = "cube.obj"
+        bake = { scale = 0.3 }
+        translation = [0.0, 0.3, 0.0]
+        [output]
+        frames_per_second = 0
+        [stop]
+        time = 0.8
+        "#,
+    );
+    let done = place.run("out", &[]);
+    let [out, told] = [done.stdout, done.stderr].map(|bytes| String::from_utf8(bytes).unwrap());
+    assert!(out.contains("note       emitters held back"), "{out}{told}");
+    assert!(told.contains("100 % of the nozzle lies in a body"), "{told}");
+    let [emitted, held, mean] =
+        ["emitted", "held", "density_error"].map(|column| place.column("out", column));
+    // 100 fill the tank, and some 40 what the small cube leaves of the lattice.
+    let [emitted, held] = [emitted, held].map(|counts| counts.iter().sum::<f64>());
+    assert!((50.0..200.0).contains(&emitted) && held > 100.0, "{emitted} {held}");
+    let most = mean.iter().copied().fold(0.0, f64::max);
+    assert!(most < 0.08, "{most}");
 }

@@ -312,3 +312,21 @@ fn a_closed_pipe_is_no_error() {
         }
     }
 }
+
+#[test]
+fn check_tells_the_flow_of_a_nozzle() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("jet.toml");
+    let jet = "version = 1\nparticle_radius = 0.025\n[[emitters]]\nposition = [0, 0.8, 0]\ndirection = [0, -1, 0]\n\
+               speed = 2.0\nnozzle = { circle = { radius = 0.1 } }\n";
+    std::fs::write(&path, jet).unwrap();
+    for command in ["info", "check"] {
+        let done = volmap_sim(folder.path()).arg(command).arg(&path).assert().success();
+        let out = text(&done.get_output().stdout);
+        assert!(out.contains("emitters[0]: 0.06283 m^3/s asked, 0.06286 m^3/s given"), "{out}");
+        let json = volmap_sim(folder.path()).arg(command).arg(&path).arg("--json").assert().success();
+        let json: serde_json::Value = serde_json::from_slice(&json.get_output().stdout).unwrap();
+        let flow = |key: &str| json["sources"][0]["flow"][key].as_f64().unwrap();
+        assert!((flow("given") / flow("asked") - 1.0).abs() < 0.02);
+    }
+}

@@ -12,6 +12,7 @@ pub mod flow;
 pub mod grid;
 pub mod hydrostatic;
 pub mod incline;
+pub mod kernels;
 pub mod momentum;
 pub mod sphere;
 
@@ -33,6 +34,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
     sphere::EXPERIMENT,
     incline::EXPERIMENT,
     grid::EXPERIMENT,
+    kernels::EXPERIMENT,
 ];
 
 /// How an experiment is run.

@@ -81,6 +81,8 @@ pub struct Boundary {
     pub of_particle: Vec<Wall>,
     kernel: Kernel,
     method: Method,
+    /// What densities of the maps are multiplied by: 1 over [`World::rest_sum`].
+    per_rest_sum: f64,
     blocks: Vec<BlockContacts>,
 }
 
@@ -121,6 +123,8 @@ struct Pairing<'a> {
     /// First particle of the block.
     first: usize,
     positions: &'a [DVec3],
+    /// What the density of a contact, as the method has it, is multiplied by.
+    scale: f64,
 }
 
 impl Boundary {
@@ -141,7 +145,10 @@ impl Boundary {
             }
             BoundaryMethod::TubeMap => Method::TubeMap(kernel),
         };
-        Ok(Boundary { of_particle: Vec::new(), kernel, method, blocks: Vec::new() })
+        // The volumes of boundary particles follow from the kernel's sum among themselves.
+        let is_of_maps = !matches!(method, Method::Particles(..));
+        let per_rest_sum = if is_of_maps { 1.0 / world.rest_sum(fluid) } else { 1.0 };
+        Ok(Boundary { of_particle: Vec::new(), kernel, method, per_rest_sum, blocks: Vec::new() })
     }
 
     /// Finds the contacts of all particles (positions in metres) with all bodies, block by block; `neighbours` are
@@ -150,7 +157,7 @@ impl Boundary {
         self.of_particle.clear();
         self.of_particle.resize(positions.len(), Wall::default());
         self.blocks.resize_with(neighbours.lists().len(), BlockContacts::default);
-        let (method, kernel) = (&self.method, &self.kernel);
+        let (method, kernel, scale) = (&self.method, &self.kernel, self.per_rest_sum);
         let blocks = neighbours.with(&mut self.of_particle).zip(&mut self.blocks);
         blocks.for_each(|((lists, walls), out)| {
             let first = lists.first;
@@ -158,7 +165,8 @@ impl Boundary {
             out.inside.clear();
             out.drags.clear();
             for body in 0..bodies.posed().len() {
-                let pairing = Pairing { bodies, body, first, positions: &positions[lists.particles()] };
+                let pairing =
+                    Pairing { bodies, body, first, positions: &positions[lists.particles()], scale };
                 out.touch(method, pairing);
                 out.drag(method, pairing, kernel);
             }
@@ -221,9 +229,8 @@ impl Boundary {
 
 /// The closure for the fluid's particles, made by the first body's map; it must fit the others too.
 fn closure(world: &World, fluid: &FluidSettings, bodies: &Bodies) -> Result<Option<Closure>, Error> {
-    // The lattice of particles of less volume is closer.
     let radius = match world.closure.follows_volume() {
-        true => world.particle_radius * fluid.volume_factor.powf(1.0 / world.dimension.count() as f64),
+        true => 0.5 * world.rest_spacing(fluid),
         false => world.particle_radius,
     };
     let refuse = |body: usize, error: ClosureError| {
@@ -300,8 +307,8 @@ impl Pairing<'_> {
             particle: (self.first + within) as u32,
             body: self.body as u32,
             site: 0,
-            density: density as f32,
-            gradient: gradient.as_vec3().to_array(),
+            density: (self.scale * density) as f32,
+            gradient: (self.scale * gradient).as_vec3().to_array(),
             point,
             velocity: self.bodies.velocity_at(self.body, point),
         }

@@ -12,6 +12,9 @@ pub struct Discretization {
     /// Volume V of a particle, m^3; in two dimensions as
     /// [`World::volume_in_sums`](crate::settings::World::volume_in_sums) has it.
     pub volume: f64,
+    /// What the sum of V W is on the fluid's lattice at rest, by which densities and their gradients are divided:
+    /// [`World::rest_sum`](crate::settings::World::rest_sum). 1 leaves them.
+    pub rest_sum: f64,
     /// In how many dimensions: of the Laplacian.
     pub dimension: Dimension,
 }

@@ -1,5 +1,9 @@
 //! Nozzles at work: layers of particles that leave at the moments when the flow has moved on by one spacing.
+//!
+//! A particle only leaves where there is room for it ([`Room`]); those for which there is none are held back for good
+//! and counted.
 
+use crate::room::Room;
 use serde::{Deserialize, Serialize};
 use volmap_runtime::DVec3;
 
@@ -10,13 +14,14 @@ pub struct Jet {
     pub direction: DVec3,
     /// Speed, m/s.
     pub speed: f64,
-    /// Places of a layer's particles in the nozzle, metres.
-    pub layer: Vec<DVec3>,
-    /// Distance of a layer from the next, metres: 2 rp.
+    /// Places of the particles in the nozzle, metres, of one layer after the other; after the last comes the first
+    /// again. At least one layer.
+    pub layers: Vec<Vec<DVec3>>,
+    /// Distance of a layer from the next, metres: the fluid's spacing at rest.
     pub spacing: f64,
     /// When the first layer leaves, seconds.
     pub start: f64,
-    /// No layer after this, seconds.
+    /// No layer from this on, seconds.
     pub stop: Option<f64>,
     /// No layer that would exceed this number.
     pub max_particles: u64,
@@ -38,7 +43,13 @@ pub struct EmitterState {
     pub layers: u64,
     /// Particles that left.
     pub particles: u64,
+    /// Particles for which there was no room.
+    #[serde(default)]
+    pub held: u64,
 }
+
+/// Part of a layer's distance that rounding may take from the end.
+const SLACK: f64 = 1e-9;
 
 impl Emitter {
     /// Before its first layer.
@@ -51,28 +62,55 @@ impl Emitter {
         self.jet.speed * self.jet.direction
     }
 
-    /// Places of a layer in the nozzle, metres.
-    pub fn layer(&self) -> &[DVec3] {
-        &self.jet.layer
+    /// Places in the nozzle from which particles leave, metres; of all layers until they repeat.
+    pub fn places(&self) -> impl Iterator<Item = DVec3> {
+        self.jet.layers.iter().flatten().copied()
+    }
+
+    /// Particles of a layer, in the mean.
+    pub fn particles_per_layer(&self) -> f64 {
+        self.places().count() as f64 / self.jet.layers.len().max(1) as f64
+    }
+
+    /// Particles in a second, if there is room for all.
+    pub fn particles_per_second(&self) -> f64 {
+        self.particles_per_layer() * self.jet.speed / self.jet.spacing
     }
 
     /// Whether no more will come.
     pub fn is_done(&self) -> bool {
-        let ended = self.jet.stop.is_some_and(|stop| self.due(self.state.layers) > stop);
-        ended || self.state.particles + self.jet.layer.len() as u64 > self.jet.max_particles
+        let layers = |seconds: f64| seconds * self.jet.speed / self.jet.spacing;
+        let ended = self
+            .jet
+            .stop
+            .is_some_and(|stop| self.state.layers as f64 >= layers(stop - self.jet.start) - SLACK);
+        ended || self.state.particles + self.next().len() as u64 > self.jet.max_particles
     }
 
-    /// Where the particles are, at `time` (the end of a step, seconds), that left since the last call.
-    pub fn emit(&mut self, time: f64) -> Vec<DVec3> {
+    /// Where the particles are, at `time` (the end of a step, seconds), that are due since the last call; `room` says
+    /// which of them can leave. Those before it, in the order of the layers, are there already.
+    pub fn emit(&mut self, time: f64, room: impl Fn(&[DVec3]) -> Room) -> Vec<DVec3> {
         let mut out = Vec::new();
         while !self.is_done() && self.due(self.state.layers) <= time {
-            let Jet { direction, speed, ref layer, spacing, start, .. } = self.jet;
+            let Jet { direction, speed, spacing, start, .. } = self.jet;
             let travelled = (time - start) * speed - self.state.layers as f64 * spacing;
-            out.extend(layer.iter().map(|&place| place + travelled.max(0.0) * direction));
+            let layer: Vec<DVec3> =
+                self.next().iter().map(|&place| place + travelled.max(0.0) * direction).collect();
+            let room = room(&layer);
+            let free = layer.iter().copied().filter(|&place| room.is_free(place));
+            let before = out.len();
+            out.extend(free);
+            let left = (out.len() - before) as u64;
             self.state.layers += 1;
-            self.state.particles += layer.len() as u64;
+            self.state.particles += left;
+            self.state.held += layer.len() as u64 - left;
         }
         out
+    }
+
+    fn next(&self) -> &[DVec3] {
+        let count = self.jet.layers.len().max(1) as u64;
+        self.jet.layers.get((self.state.layers % count) as usize).map_or(&[], Vec::as_slice)
     }
 
     fn due(&self, layer: u64) -> f64 {
@@ -88,7 +126,7 @@ mod tests {
         Jet {
             direction: DVec3::new(0.6, 0.0, 0.8),
             speed: 2.0,
-            layer: (0..8_u32).map(|n| DVec3::new(0.0, 0.05 * f64::from(n), 0.0)).collect(),
+            layers: vec![(0..8_u32).map(|n| DVec3::new(0.0, 0.05 * f64::from(n), 0.0)).collect()],
             spacing: 0.05,
             start: 0.5,
             stop: None,
@@ -103,7 +141,7 @@ mod tests {
         let mut out = Vec::new();
         for &time in times {
             let moved = (end - time) * emitter.velocity();
-            out.extend(emitter.emit(time).into_iter().map(|at| at + moved));
+            out.extend(emitter.emit(time, |_| Room::default()).into_iter().map(|at| at + moved));
         }
         out
     }
@@ -123,8 +161,18 @@ mod tests {
 
     #[test]
     fn it_ends_at_its_time_or_number() {
-        assert_eq!(run(Jet { stop: Some(0.6), ..jet() }, &[0.4, 9.0]).len(), 5 * 8);
+        // 0.1 s at 2 m/s are four layers' distances.
+        assert_eq!(run(Jet { stop: Some(0.6), ..jet() }, &[0.4, 9.0]).len(), 4 * 8);
         assert_eq!(run(Jet { max_particles: 20, ..jet() }, &[0.4, 9.0]).len(), 2 * 8);
         assert_eq!(run(jet(), &[0.4]).len(), 0);
+    }
+
+    #[test]
+    fn layers_take_turns() {
+        let [one, two] = [vec![DVec3::ZERO], vec![DVec3::Y, 2.0 * DVec3::Y]];
+        let emitter = Emitter::new(Jet { layers: vec![one, two], ..jet() });
+        assert_eq!(emitter.particles_per_layer(), 1.5);
+        assert_eq!(emitter.particles_per_second(), 60.0);
+        assert_eq!(run(Jet { layers: emitter.jet.layers, stop: Some(1.0), ..jet() }, &[9.0]).len(), 30);
     }
 }

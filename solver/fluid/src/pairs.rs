@@ -70,9 +70,9 @@ pub struct Density {
 /// From sums in support radii, and from numbers of pairs, to metres.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Units {
-    /// Sums of w to densities: V NORM / r^3.
+    /// Sums of w to densities: V NORM / r^3 / S, with S of [`Discretization::rest_sum`].
     pub density: f32,
-    /// Sums of slope x to V grad W: V NORM SLOPE / r^4.
+    /// Sums of slope x to V grad W / S: V NORM SLOPE / r^4 / S.
     pub gradient: f32,
     /// Slope x to a pair's numbers.
     pub pair: f32,
@@ -89,11 +89,13 @@ pub(crate) struct Units {
 impl Units {
     pub(crate) fn new<K: KernelLanes>(with: Discretization) -> Units {
         let radius = with.support_radius;
-        let density = with.volume * f64::from(K::NORM) / radius.powi(3);
+        let plain = with.volume * f64::from(K::NORM) / radius.powi(3);
+        let density = plain / with.rest_sum;
         let gradient = density * f64::from(K::SLOPE) / radius;
         let [pair, bend] = [K::STEEPEST, K::BENDIEST].map(|largest| LARGEST / largest);
-        // x . x and x are in support radii, of which one is left over.
-        let laplacian = 2.0 * (with.dimension.count() as f64 + 2.0) * gradient / radius;
+        // x . x and x are in support radii, of which one is left over. The particle itself adds nothing to it.
+        let plain = plain * f64::from(K::SLOPE) / radius;
+        let laplacian = 2.0 * (with.dimension.count() as f64 + 2.0) * plain / radius;
         Units {
             density: density as f32,
             gradient: gradient as f32,

@@ -2,7 +2,7 @@
 //! fluids*, Algorithm 1, and Bender and Koschier 2017, *Divergence-Free SPH*.
 
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 use volmap_runtime::{ClosureKind, DVec3, Dimension, KernelKind};
 
 /// Both pressure solves and the time step.
@@ -17,7 +17,8 @@ pub struct SolverSettings {
     pub divergence: SolveSettings,
     /// The solve for implicit viscosity and for the drag of bodies.
     pub viscosity: ViscositySolveSettings,
-    /// Relaxation of the Jacobi steps, omega of Algorithm 1.
+    /// Relaxation of the Jacobi steps, omega of Algorithm 1. With so many neighbours that such steps would not
+    /// converge, as with support radii of 5 particle radii, it is less in proportion.
     pub relaxation: f64,
     /// The boundary's pressure in the force on the fluid.
     pub boundary_pressure: BoundaryPressure,
@@ -67,11 +68,12 @@ struct DivergenceSolve {
     max_iterations: u32,
 }
 
-/// The time step: dt = factor * 0.4 * 2 rp / |v|max, within bounds.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+/// The time step: dt = factor * 0.4 * 2 rp / |v|max, within bounds. Read from a file, bounds that aren't given give way
+/// to those that are.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct TimeStepSettings {
-    /// First step, seconds; every step, if it doesn't adapt.
+    /// First step, seconds, if it adapts at most `max` unless it is given; every step, if it doesn't adapt.
     pub initial: f64,
     /// Whether the step follows the CFL condition.
     pub adaptive: bool,
@@ -81,6 +83,36 @@ pub struct TimeStepSettings {
     pub min: f64,
     /// Largest step, seconds.
     pub max: f64,
+}
+
+/// [`TimeStepSettings`] as a file gives them.
+#[derive(Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct GivenTimeStep {
+    initial: Option<f64>,
+    adaptive: Option<bool>,
+    cfl_factor: Option<f64>,
+    min: Option<f64>,
+    max: Option<f64>,
+}
+
+impl<'de> Deserialize<'de> for TimeStepSettings {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<TimeStepSettings, D::Error> {
+        let given = GivenTimeStep::deserialize(deserializer)?;
+        let default = TimeStepSettings::default();
+        let adaptive = given.adaptive.unwrap_or(default.adaptive);
+        let max = given.max.unwrap_or(default.max);
+        let first = given.initial.filter(|_| adaptive).unwrap_or(max);
+        let min = given.min.unwrap_or(default.min.min(max).min(first));
+        let within = if adaptive { default.initial.max(min).min(max) } else { default.initial };
+        Ok(TimeStepSettings {
+            initial: given.initial.unwrap_or(within),
+            adaptive,
+            cfl_factor: given.cfl_factor.unwrap_or(default.cfl_factor),
+            min,
+            max,
+        })
+    }
 }
 
 /// The fluid.

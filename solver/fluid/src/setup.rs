@@ -58,7 +58,7 @@ const LEAST_MARGIN: f64 = 100.0;
 
 fn default_domain(particles: &Particles, emitters: &[Emitter], bodies: &Bodies, world: &World) -> [DVec3; 2] {
     let mut points: Vec<DVec3> = particles.positions.clone();
-    points.extend(emitters.iter().flat_map(|emitter| emitter.layer().iter().copied()));
+    points.extend(emitters.iter().flat_map(Emitter::places));
     for body in bodies.posed() {
         let grid = body.map.grid();
         for corner in 0..8 {

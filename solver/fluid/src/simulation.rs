@@ -5,6 +5,7 @@ use crate::bodies::Bodies;
 use crate::boundary::Boundary;
 use crate::boundary::pressure::{self, Extrapolation, WallPressure};
 use crate::cells::Cells;
+use crate::compression::Compression;
 use crate::coupling;
 use crate::discretization::Discretization;
 use crate::emitter::Emitter;
@@ -18,6 +19,7 @@ use crate::plane;
 use crate::pressure::{Solve, forces_on_bodies};
 use crate::report::SolveReport;
 use crate::response::Response;
+use crate::room::Room;
 use crate::settings::{FluidSettings, SolveSettings, SolverSettings, World};
 use crate::setup::Setup;
 use crate::stages::Stages;
@@ -48,6 +50,10 @@ pub struct Simulation {
     spare: Particles,
     neighbours: Neighbours,
     boundary: Boundary,
+    /// See [`World::rest_sum`].
+    rest_sum: f64,
+    /// See [`World::jacobi_relaxation`].
+    relaxation: f64,
     extrapolation: Extrapolation,
     fields: Fields,
     forces: Forces,
@@ -92,8 +98,13 @@ pub struct StepReport {
     pub viscosity: SolveReport,
     /// Largest speed at its beginning, m/s, that of bodies where they touch the fluid included.
     pub max_speed: f64,
+    /// How much denser than at rest the fluid was at its beginning: after the step before, and with what emitters have
+    /// added since.
+    pub compression: Compression,
     /// Particles that came from emitters.
     pub emitted: usize,
+    /// Particles that emitters should have given, and there was no room for.
+    pub held: usize,
     /// Particles that left the domain and were removed.
     pub removed: usize,
     /// Particles whose centres were in a body.
@@ -119,6 +130,8 @@ impl Simulation {
         let boundary = Boundary::new(&world, &fluid, &bodies)?;
         Ok(Simulation {
             domain,
+            rest_sum: world.rest_sum(&fluid),
+            relaxation: world.jacobi_relaxation(&fluid, solver.relaxation),
             world,
             fluid,
             solver,
@@ -164,7 +177,7 @@ impl Simulation {
         self.stages.begin();
         self.body_forces.clear();
         self.body_forces.resize(self.bodies.posed().len(), [DVec3::ZERO; 2]);
-        let emitted = self.emit();
+        let [emitted, held] = self.emit();
         let max_speed = self.max_speed();
         let mut dt = self.time_step(max_speed)?;
         let mut end = self.time + dt;
@@ -176,6 +189,7 @@ impl Simulation {
         }
         self.find_neighbourhoods()?;
         self.compute_density();
+        let compression = Compression::of(&self.fields.densities, &self.particles.positions);
         let divergence = self.correct_divergence_error(dt);
         let viscosity = self.add_non_pressure(dt);
         let density = self.correct_density_error(dt);
@@ -192,7 +206,9 @@ impl Simulation {
             divergence,
             viscosity,
             max_speed,
+            compression,
             emitted,
+            held,
             removed,
             inside: self.boundary.inside().count(),
             near_bodies: self.boundary.of_particle.iter().filter(|wall| wall.density != 0.0).count(),
@@ -200,14 +216,21 @@ impl Simulation {
         })
     }
 
-    fn emit(&mut self) -> usize {
+    /// Adds what the emitters give; how many particles that are, and for how many more there is no room.
+    fn emit(&mut self) -> [usize; 2] {
         let before = self.particles.len();
-        for emitter in &mut self.emitters {
-            let places = emitter.emit(self.time);
+        let held = |emitters: &[Emitter]| emitters.iter().map(|emitter| emitter.state.held).sum::<u64>();
+        let held_before = held(&self.emitters);
+        let spacing = self.world.rest_spacing(&self.fluid);
+        let Simulation { emitters, particles, bodies, fields, .. } = self;
+        for emitter in emitters.iter_mut() {
+            let (positions, densities) = (&particles.positions, &fields.densities);
+            let room = |layer: &[DVec3]| Room::near(layer, positions, densities, bodies, spacing);
+            let places = emitter.emit(self.time, room);
             let velocity = emitter.velocity().as_vec3().to_array();
-            self.particles.add(&places, &vec![velocity; places.len()]);
+            particles.add(&places, &vec![velocity; places.len()]);
         }
-        self.particles.len() - before
+        [self.particles.len() - before, (held(&self.emitters) - held_before) as usize]
     }
 
     fn time_step(&self, max_speed: f64) -> Result<f64, Error> {
@@ -353,7 +376,7 @@ impl Simulation {
             response: Response::new(&self.bodies, &self.boundary, self.particle_mass(), after_gravity),
             settings: goal.settings(&self.solver),
             wall: WallPressure::new(kind, &self.boundary, &self.extrapolation, after_gravity),
-            relaxation: self.solver.relaxation as f32,
+            relaxation: self.relaxation as f32,
             dt,
         }
     }
@@ -383,6 +406,7 @@ impl Simulation {
             kernel: self.world.kernel,
             support_radius: self.world.support_radius,
             volume: self.particle_volume() * self.world.volume_in_sums(),
+            rest_sum: self.rest_sum,
             dimension: self.world.dimension,
         }
     }
@@ -438,9 +462,9 @@ impl Simulation {
         &self.fields.densities
     }
 
-    /// Pressures of the density solve, Pa.
+    /// Pressures of the density solve, Pa; see [`World::pressure_scale`].
     pub fn pressures(&self) -> Vec<f32> {
-        let density = self.fluid.rest_density as f32;
+        let density = (self.fluid.rest_density * self.world.pressure_scale(&self.fluid)) as f32;
         let all = self.particles.pressures.iter().zip(&self.fields.densities);
         all.map(|(pressure, relative)| density * relative * relative * pressure).collect()
     }

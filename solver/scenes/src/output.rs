@@ -15,6 +15,7 @@ pub mod checkpoint;
 pub mod folder;
 pub mod frame;
 pub mod lock;
+mod notes;
 pub mod particles;
 pub mod picture;
 pub mod poses;

@@ -9,10 +9,11 @@
 
 pub mod body;
 mod check;
+mod defaults;
 pub mod fluid;
 pub mod map;
 pub mod memory;
-mod nozzle;
+pub mod nozzle;
 pub mod numbers;
 pub mod output;
 mod overlap;
@@ -43,6 +44,9 @@ use volmap_runtime::{ClosureKind, Dimension, KernelKind};
 /// The version of the format that this program reads.
 pub const VERSION: u32 = 1;
 
+/// Support radii in particle radii from which on water at rest has the pressure of its depth (solver/VALIDATION.md).
+const LEAST_RADII: f64 = 3.5;
+
 /// A scene for volmap-sim, version 1. Lengths in metres, times in seconds, masses in kilograms, angles in
 /// degrees; files are named relative to the scene's own file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -53,7 +57,8 @@ pub struct Scene {
     pub version: u32,
     /// Radius of the fluid's particles, metres: half of their spacing.
     pub particle_radius: f64,
-    /// Support radius of the kernel, metres. Maps must be baked for it. Default: 4 particle radii.
+    /// Support radius of the kernel, metres, 3.5 to 10 particle radii. Maps must be baked for it. Default: 4 particle
+    /// radii.
     #[serde(default)]
     pub support_radius: Option<f64>,
     /// SPH kernel.
@@ -105,6 +110,9 @@ pub struct Scene {
     /// When the run ends.
     #[serde(default)]
     pub stop: StopSettings,
+    /// What was decided when it was read that the user should know.
+    #[serde(skip)]
+    pub notes: Vec<String>,
 }
 
 fn default_gravity() -> [f64; 3] {
@@ -134,6 +142,7 @@ impl Default for Scene {
             solver: SolverSettings::default(),
             output: OutputSettings::default(),
             stop: StopSettings::default(),
+            notes: Vec::new(),
         }
     }
 }
@@ -147,6 +156,24 @@ impl Scene {
     /// Distance of neighbouring particles of a lattice at rest, metres.
     pub fn spacing(&self) -> f64 {
         2.0 * self.particle_radius
+    }
+
+    /// The same of the fluid's particles by their volume, at which nozzles give them.
+    pub fn rest_spacing(&self) -> f64 {
+        self.world().rest_spacing(&self.fluid)
+    }
+
+    /// What the user should know of its settings.
+    pub(crate) fn all_notes(&self) -> Vec<String> {
+        let mut notes = self.notes.clone();
+        if self.kernel.lets_particles_pair() {
+            notes.push(format!(
+                "kernel {}: its particles come together in pairs, so that water at rest stands up to an eighth too low \
+                 and has up to a third too little pressure; take wendland_c2, cubic_spline or spiky",
+                self.kernel
+            ));
+        }
+        notes
     }
 
     /// Paths of its maps and meshes.
@@ -191,10 +218,12 @@ impl Scene {
         }
         top.within("particle_radius", self.particle_radius, [1e-6, 1e3])?;
         let ratio = self.support_radius() / self.particle_radius;
-        if !(2.5..=10.0).contains(&ratio) {
+        if !(LEAST_RADII * (1.0 - 1e-9)..=10.0).contains(&ratio) {
             let reason = format!(
-                "{} m is {ratio:.2} particle radii; kernels need 2.5 to 10, as a rule 4",
-                self.support_radius()
+                "{} m is {ratio:.2} particle radii; kernel {} needs {LEAST_RADII} to 10, as a rule 4: with fewer \
+                 neighbours water at rest hasn't the pressure of its depth",
+                self.support_radius(),
+                self.kernel
             );
             return Err(top.problem("support_radius", reason));
         }

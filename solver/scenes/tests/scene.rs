@@ -163,6 +163,11 @@ fn values_out_of_range_are_named_and_placed() {
             "0.025\nsupport_radius = 0.02",
             "s.toml:4:1: support_radius: 0.02 m is 0.80 particle radii",
         ),
+        (
+            "0.025",
+            "0.025\nkernel = \"spiky\"\nsupport_radius = 0.075",
+            "0.075 m is 3.00 particle radii; kernel spiky needs 3.5 to 10",
+        ),
         ("-9.81", "inf", "s.toml:4:1: gravity: inf is not a usable number"),
         ("max = [1, 1, 1]", "max = [1, 0, 1]", "s.toml:8:1: blocks[0].max: [1.0, 0.0, 1.0] is not above min"),
         ("max = [1, 1, 1]", "max = [1, 0.01, 1]", "thinner than a particle"),
@@ -293,4 +298,37 @@ proptest! {
             prop_assert!(scene.particle_radius > 0.0 && scene.blocks[0].min[0] < scene.blocks[0].max[0]);
         }
     }
+}
+
+#[test]
+fn defaults_give_way_to_what_is_given() {
+    let scene = |table: &str| toml(&SCENE.replace("[solver.time_step]\nmax = 2e-3", table)).unwrap();
+    let step = |table: &str| scene(&format!("[solver.time_step]\n{table}")).solver.time_step;
+    assert_eq!(step("max = 5e-4").initial, 5e-4);
+    let short = step("max = 5e-5");
+    assert_eq!((short.initial, short.min, short.max), (5e-5, 5e-5, 5e-5));
+    assert_eq!(step("initial = 2e-5").min, 2e-5);
+    assert_eq!(step("min = 1.5e-3").initial, 1.5e-3);
+    assert_eq!(step("adaptive = false").initial, 1e-3);
+    // What is given isn't changed.
+    let refused = |old: &str, new: &str| toml(&SCENE.replace(old, new)).unwrap_err();
+    let told = refused("max = 2e-3", "max = 5e-4\ninitial = 1e-3");
+    assert!(told.contains("solver.time_step.initial: 0.001 s is not within"), "{told}");
+
+    // The default viscosity against the steps that small particles need.
+    let small = SCENE.replace("0.025", "0.001").replace("max = [1, 1, 1]", "max = [0.02, 0.02, 0.02]");
+    let scene = toml(&small).unwrap();
+    assert_eq!(scene.fluid.viscosities(), [0.0, 0.01]);
+    assert!(
+        scene.notes[0].contains("fluid.viscosity isn't given: its default, 0.01 m^2/s"),
+        "{:?}",
+        scene.notes
+    );
+    assert_eq!(toml(SCENE).unwrap().notes, Vec::<String>::new());
+    let thin = toml(&format!("{small}[fluid]\nviscosity = 1e-6")).unwrap();
+    assert_eq!(thin.fluid.viscosities(), [1e-6, 0.0]);
+    let told = toml(&format!("{small}[fluid]\nviscosity_method = \"explicit\"")).unwrap_err();
+    assert!(told.contains("0.01 m^2/s, the default, needs time steps of at most"), "{told}");
+    let told = toml(&format!("{small}[fluid]\nviscosity = 0.02")).unwrap_err();
+    assert!(told.contains("0.02 m^2/s needs time steps of at most"), "{told}");
 }

@@ -62,8 +62,8 @@ impl ProgressLine {
     fn text(&self, progress: &Progress, first: f64) -> String {
         let step = &progress.step.statistics;
         format!(
-            "t {:.4} s, step {}, {} particles, dt {:.2} ms, {} + {} iterations, density error {:.3} %, \
-             {:.1} ms per step{}",
+            "t {:.4} s, step {}, {} particles, dt {:.2} ms, {} + {} iterations, density error {:.3} % \
+             (most {:.1} %), {:.1} ms per step{}",
             step.time,
             step.step,
             thousands(step.particles),
@@ -71,6 +71,7 @@ impl ProgressLine {
             step.density_iterations,
             step.divergence_iterations,
             100.0 * step.density_error,
+            100.0 * step.density_error_max,
             step.step_ms,
             self.left(progress, first)
         )

@@ -67,24 +67,34 @@ fn print_summary(summary: &RunSummary, folder: &Path) -> Result<()> {
     )?;
     writeln!(
         out,
-        "step       mean {} ms, {:.1} + {:.1} iterations, density error {}; {} million particle steps per second",
+        "step       mean {} ms, {:.1} + {:.1} iterations; {} million particle steps per second",
         number(summary.step_ms.mean),
         summary.density_iterations.mean,
         summary.divergence_iterations.mean,
-        percent(summary.density_error.mean),
         number(1e-6 * summary.particle_steps_per_second)
+    )?;
+    writeln!(
+        out,
+        "density    denser than at rest by {} in the mean over particles and steps, by {} at most; solves left {}",
+        percent(summary.density_error.mean),
+        percent(summary.density_error_max.most),
+        percent(summary.density_residual.mean)
     )?;
     let stages: Vec<String> =
         summary.stages_ms.iter().map(|(name, spread)| format!("{name} {}", number(spread.mean))).collect();
     writeln!(out, "stages     {} ms", stages.join(", "))?;
-    if summary.emitted + summary.removed + summary.brought_back > 0 {
+    if summary.emitted + summary.held + summary.removed + summary.brought_back > 0 {
         writeln!(
             out,
-            "counts     {} particles emitted, {} left the domain, {} pushed out of bodies",
+            "counts     {} particles emitted, {} held back, {} left the domain, {} pushed out of bodies",
             thousands(summary.emitted),
+            thousands(summary.held),
             thousands(summary.removed),
             thousands(summary.brought_back)
         )?;
+    }
+    for note in &summary.notes {
+        writeln!(out, "note       {note}")?;
     }
     writeln!(out, "folder     {}", folder.display())?;
     Ok(())

@@ -1,16 +1,17 @@
 //! Balls and boxes in water: Archimedes. A floating body displaces its weight of water; one that is held under
 //! water is pushed up by the weight of what it displaces.
 
-use super::flow::{GRAVITY, lattice, volume_below, water};
+use super::flow::{GRAVITY, lattice, volume_below, water_of};
 use super::{Experiment, Outcome, Row, Run, chart, curve};
 use volmap_bake::random::Random;
 use volmap_figures::picture::colours::DISTINCT;
 use volmap_fluid::Error;
 use volmap_fluid::bodies::{BodyDescription, FreeBody, Motion, Weight};
 use volmap_fluid::observe::line;
+use volmap_fluid::settings::World;
 use volmap_fluid::shapes::{Shape, baked, ball, cuboid};
 use volmap_fluid::simulation::Simulation;
-use volmap_runtime::{DVec3, Pose, VolumeMap};
+use volmap_runtime::{DVec3, KernelKind, Pose, VolumeMap};
 
 /// Its entry in [`EXPERIMENTS`](super::EXPERIMENTS).
 pub const EXPERIMENT: Experiment = Experiment {
@@ -29,7 +30,8 @@ fn run(run: &Run) -> Result<Outcome, Error> {
     let mut outcome = Outcome::default();
     let radius = run.pick(0.02, 0.04 / 3.0);
     let support = 4.0 * radius;
-    let tank = Tank { shape: baked(hollow(), support, true)?, radius };
+    let tank =
+        Tank { shape: baked(hollow(), support, true)?, radius, kernel: (KernelKind::CubicSpline, 4.0) };
     let ball = baked(ball(0.16, 5), support, false)?;
     let cube = baked(cube(), support, false)?;
     let all: [(&str, &Shape); 2] = [("ball", &ball), ("box", &cube)];
@@ -72,6 +74,24 @@ struct Tank {
     shape: Shape,
     /// Particle radius, metres.
     radius: f64,
+    /// Of the sums over neighbours, and its support radius in rp.
+    kernel: (KernelKind, f64),
+}
+
+/// A ball of half the water's density floats in water of a kernel and its support radius (rp).
+pub(super) fn of_kernel(
+    run: &Run,
+    outcome: &mut Outcome,
+    case: &str,
+    kernel: (KernelKind, f64),
+) -> Result<(), Error> {
+    let radius = 0.02;
+    let support = kernel.1 * radius;
+    let tank = Tank { shape: baked(hollow(), support, true)?, radius, kernel };
+    let ball = baked(ball(0.16, 5), support, false)?;
+    // As long as the short form: the ball has come to rest by then.
+    floating(&Run { short: true, ..*run }, outcome, &tank, case, &ball, 500.0)?;
+    Ok(())
 }
 
 impl Tank {
@@ -83,7 +103,10 @@ impl Tank {
         places.retain(|&x| clear(&body.map, body.pose.to_map(x)));
         disturb(&mut places, radius);
         let tank = self.shape.body("tank", DVec3::ZERO, Motion::Static);
-        water(radius, &places, 0.01, vec![tank, body])
+        let (kernel, support) = self.kernel;
+        let world =
+            World { particle_radius: radius, support_radius: support * radius, kernel, ..World::default() };
+        water_of(world, &places, 0.01, vec![tank, body])
     }
 }
 

@@ -18,24 +18,37 @@ pub fn lattice(min: DVec3, max: DVec3, particle_radius: f64) -> Vec<DVec3> {
     fill_box([min, max], 2.0 * particle_radius).collect()
 }
 
-/// Water at rest at these positions (metres) with a viscosity (m^2/s) and a support radius of 4 rp, under gravity.
+/// Water at rest at these positions (metres) with a viscosity (m^2/s), the default kernel and a support radius of 4 rp.
 ///
 /// # Errors
-/// As [`Bodies::new`].
+/// As [`water_of`].
 pub fn water(
     particle_radius: f64,
     places: &[DVec3],
     viscosity: f64,
     bodies: Vec<BodyDescription>,
 ) -> Result<Simulation, Error> {
-    let gravity = DVec3::new(0.0, -GRAVITY, 0.0);
+    let world = World { particle_radius, support_radius: 4.0 * particle_radius, ..World::default() };
+    water_of(world, places, viscosity, bodies)
+}
+
+/// The same of any kernel, under the default gravity.
+///
+/// # Errors
+/// As [`Bodies::new`].
+pub fn water_of(
+    world: World,
+    places: &[DVec3],
+    viscosity: f64,
+    bodies: Vec<BodyDescription>,
+) -> Result<Simulation, Error> {
     let mut particles = Particles::default();
     particles.add(places, &vec![[0.0; 3]; places.len()]);
-    let world = World { particle_radius, support_radius: 4.0 * particle_radius, gravity, ..World::default() };
+    let bodies = Bodies::new(bodies, world.gravity)?;
     Simulation::new(Setup {
         fluid: FluidSettings { viscosity, ..FluidSettings::default() },
-        solver: solver(particle_radius),
-        ..Setup::new(world, particles, Bodies::new(bodies, gravity)?)
+        solver: solver(world.particle_radius),
+        ..Setup::new(world, particles, bodies)
     })
 }
 

@@ -4,7 +4,7 @@
 //! Bender et al. 2020, *Implicit Frictional Boundary Handling for SPH*, section 4.3: the boundary's density, Eq. 14,
 //! and force, Eq. 15.
 
-mod column;
+pub(super) mod column;
 
 use super::{Experiment, Outcome, Row, Run, chart, curve};
 use column::{Column, HALF_WIDTH, Rest};
@@ -13,7 +13,7 @@ use volmap_figures::picture::{Data, Series};
 use volmap_fluid::Error;
 use volmap_fluid::settings::{BoundaryMethod, BoundaryPressure};
 use volmap_fluid::shapes::{Shape, baked_for, cuboid};
-use volmap_runtime::{ClosureKind, DVec3};
+use volmap_runtime::{ClosureKind, DVec3, KernelKind};
 
 /// Its entry in [`EXPERIMENTS`](super::EXPERIMENTS).
 pub const EXPERIMENT: Experiment = Experiment {
@@ -28,11 +28,11 @@ const RADIUS: f64 = 0.025;
 const GRAVITY: f64 = 9.81;
 const DENSITY: f64 = 1000.0;
 
-struct Case {
-    name: String,
-    column: Column,
+pub(super) struct Case {
+    pub name: String,
+    pub column: Column,
     /// Whether the figures have targets: with the default closure and its own pressure.
-    judged: bool,
+    pub judged: bool,
 }
 
 fn run(run: &Run) -> Result<Outcome, Error> {
@@ -58,27 +58,17 @@ fn run(run: &Run) -> Result<Outcome, Error> {
 }
 
 /// A tank of 1 x 1.2 x 1 m, baked for the column's closure.
-fn tank(column: &Column) -> Result<Shape, Error> {
+pub(super) fn tank(column: &Column) -> Result<Shape, Error> {
     let size = DVec3::new(HALF_WIDTH, 1.2, HALF_WIDTH);
     let hollow = cuboid(DVec3::new(-size.x, 0.0, -size.z), size);
-    baked_for(column.closure, hollow, 4.0 * column.radius, true)
+    baked_for(column.closure, hollow, column.support_radius(), true)
 }
 
 /// The tank filled from wall to wall, and the block that SPlisHSPlasH makes of [-0.45, 0.05, -0.45] to [0.45, 0.6,
 /// 0.45], 2,890 particles of its volume, which spread first.
 fn cases(run: &Run) -> Vec<Case> {
-    let full = [DVec3::new(-HALF_WIDTH, 0.0, -HALF_WIDTH), DVec3::new(HALF_WIDTH, 0.5, HALF_WIDTH)];
     let loose = [DVec3::new(-0.425, 0.075, -0.425), DVec3::new(0.425, 0.575, 0.425)];
-    let filled = |closure, end| Column {
-        radius: RADIUS,
-        closure,
-        volume_factor: 1.0,
-        boundary: BoundaryMethod::VolumeMap,
-        pressure: BoundaryPressure::Own,
-        largest_step: 0.005,
-        block: full,
-        end,
-    };
+    let filled = |closure, end| Column { closure, end, largest_step: 0.005, ..filled(0.5) };
     let spread = |closure, end| Column { volume_factor: 0.8, block: loose, ..filled(closure, end) };
     let mirror = ClosureKind::Mirror;
     if run.short {
@@ -104,8 +94,23 @@ fn cases(run: &Run) -> Vec<Case> {
     all
 }
 
+/// Water of this height (metres) from wall to wall, with the defaults, for 10 s.
+pub(super) fn filled(height: f64) -> Column {
+    Column {
+        radius: RADIUS,
+        kernel: (KernelKind::CubicSpline, 4.0),
+        closure: ClosureKind::Mirror,
+        volume_factor: 1.0,
+        boundary: BoundaryMethod::VolumeMap,
+        pressure: BoundaryPressure::Own,
+        largest_step: 0.002,
+        block: [DVec3::new(-HALF_WIDTH, 0.0, -HALF_WIDTH), DVec3::new(HALF_WIDTH, height, HALF_WIDTH)],
+        end: 10.0,
+    }
+}
+
 /// The short form ends before all is calm, and is judged by what it reaches until then.
-fn rows(run: &Run, case: &Case, rest: &Rest) -> Vec<Row> {
+pub(super) fn rows(run: &Run, case: &Case, rest: &Rest) -> Vec<Row> {
     let told = |quantity: &str, unit, value| Row::new(&case.name, quantity, unit, value);
     let judged = |row: Row, judge: &dyn Fn(Row) -> Row| if case.judged { judge(row) } else { row };
     let [floor, slope] = rest.line;
@@ -125,6 +130,7 @@ fn rows(run: &Run, case: &Case, rest: &Rest) -> Vec<Row> {
             row.between(0.95 * rest.true_height, 1.05 * rest.true_height)
         }),
         judged(told("rms speed", "m/s", rest.speed), &|row| row.at_most(run.pick(0.015, 0.003))),
+        told("largest speed in the first half second", "m/s", rest.first_speed),
         told("rms speed of the first layer", "m/s", rest.layer_speed[0]),
         told("rms speed above it", "m/s", rest.layer_speed[1]),
         judged(told("drift of the centre of mass", "rp", rest.drift / case.column.radius), &|row| {

@@ -14,7 +14,7 @@ use volmap_fluid::settings::{FluidSettings, World};
 use volmap_fluid::setup::Setup;
 use volmap_fluid::shapes::{Shape, baked, ball};
 use volmap_fluid::simulation::Simulation;
-use volmap_runtime::DVec3;
+use volmap_runtime::{DVec3, KernelKind};
 
 /// Conservation without gravity.
 pub const EXPERIMENT: Experiment = Experiment {
@@ -33,7 +33,7 @@ const SPEED: f64 = 1.0;
 const AWAY: DVec3 = DVec3::new(0.55, 0.1, 0.05);
 
 /// Momentum, angular momentum about the origin, and kinetic energy; of fluid and ball together, and of the ball.
-struct State {
+pub(super) struct State {
     time: f64,
     momentum: DVec3,
     angular: DVec3,
@@ -42,25 +42,10 @@ struct State {
 }
 
 fn run(run: &Run) -> Result<Outcome, Error> {
-    let shape = baked(ball(BALL, 4), 4.0 * RADIUS, false)?;
     let mut outcome = Outcome::default();
     for (case, viscosity) in [("viscous", 0.01), ("inviscid", 0.0)].into_iter().take(run.pick(1, 2)) {
         (run.progress)(&format!("momentum: {case}"));
-        let mut simulation = simulation(&shape, viscosity)?;
-        let speeds: f64 = velocities(&simulation).map(DVec3::length).sum();
-        let scale = speeds * simulation.particle_mass();
-        let mut states = vec![state(&simulation)];
-        let [mut touched, mut inside] = [0, 0];
-        run.until(&mut simulation, run.pick(0.6, 2.0), &mut |simulation, report| {
-            states.push(state(simulation));
-            touched = touched.max(report.near_bodies);
-            inside += report.inside;
-        })?;
-        outcome
-            .rows
-            .push(Row::new(case, "particles that touch the ball, most", "", touched as f64).at_least(50.0));
-        outcome.rows.push(Row::new(case, "particles found in the ball", "", inside as f64));
-        outcome.rows.extend(rows(case, &states, scale));
+        let states = collide(run, &mut outcome, case, viscosity, (KernelKind::CubicSpline, 4.0))?;
         outcome.chart(format!("momentum_{case}.png"), picture(&states));
     }
     outcome.notes.push(
@@ -70,10 +55,42 @@ fn run(run: &Run) -> Result<Outcome, Error> {
     Ok(outcome)
 }
 
-fn simulation(shape: &Shape, viscosity: f64) -> Result<Simulation, Error> {
+/// A collision with a viscosity (m^2/s), and a kernel of a support radius (rp).
+pub(super) fn collide(
+    run: &Run,
+    outcome: &mut Outcome,
+    case: &str,
+    viscosity: f64,
+    kernel: (KernelKind, f64),
+) -> Result<Vec<State>, Error> {
+    let shape = baked(ball(BALL, 4), kernel.1 * RADIUS, false)?;
+    let mut simulation = simulation(&shape, viscosity, kernel)?;
+    let speeds: f64 = velocities(&simulation).map(DVec3::length).sum();
+    let scale = speeds * simulation.particle_mass();
+    let mut states = vec![state(&simulation)];
+    let [mut touched, mut inside] = [0, 0];
+    run.until(&mut simulation, run.pick(0.6, 2.0), &mut |simulation, report| {
+        states.push(state(simulation));
+        touched = touched.max(report.near_bodies);
+        inside += report.inside;
+    })?;
+    outcome
+        .rows
+        .push(Row::new(case, "particles that touch the ball, most", "", touched as f64).at_least(50.0));
+    outcome.rows.push(Row::new(case, "particles found in the ball", "", inside as f64));
+    outcome.rows.extend(rows(case, &states, scale));
+    Ok(states)
+}
+
+fn simulation(
+    shape: &Shape,
+    viscosity: f64,
+    (kernel, support): (KernelKind, f64),
+) -> Result<Simulation, Error> {
     let world = World {
         particle_radius: RADIUS,
-        support_radius: 4.0 * RADIUS,
+        support_radius: support * RADIUS,
+        kernel,
         gravity: DVec3::ZERO,
         ..World::default()
     };

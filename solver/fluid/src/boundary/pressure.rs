@@ -374,6 +374,7 @@ mod tests {
             kernel: KernelKind::CubicSpline,
             support_radius: RADIUS,
             volume: 1.25e-4,
+            rest_sum: 1.0,
             dimension: Dimension::Three,
         };
         let gravity = DVec3::new(0.0, -10.0, 0.0);

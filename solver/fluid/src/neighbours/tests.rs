@@ -32,7 +32,10 @@ pub(crate) struct Arranged {
 pub(crate) fn arrange(positions: &[DVec3], support_radius: f64) -> Arranged {
     let volume = 0.125 * support_radius.powi(3);
     let kernel = KernelKind::CubicSpline;
-    arrange_with(positions, Discretization { kernel, support_radius, volume, dimension: Dimension::Three })
+    arrange_with(
+        positions,
+        Discretization { kernel, support_radius, volume, rest_sum: 1.0, dimension: Dimension::Three },
+    )
 }
 
 pub(crate) fn arrange_with(positions: &[DVec3], with: Discretization) -> Arranged {

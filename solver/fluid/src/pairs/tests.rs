@@ -48,7 +48,13 @@ struct Fluid {
 }
 
 fn with(kernel: KernelKind) -> Discretization {
-    Discretization { kernel, support_radius: RADIUS, volume: VOLUME, dimension: Dimension::Three }
+    Discretization {
+        kernel,
+        support_radius: RADIUS,
+        volume: VOLUME,
+        rest_sum: 1.0,
+        dimension: Dimension::Three,
+    }
 }
 
 fn fluid(kernel: KernelKind) -> Fluid {
@@ -433,7 +439,13 @@ fn laplacian_in_the_plane_is_that_of_the_field() {
     let points: Vec<DVec3> = (0..41 * 41).map(place).collect();
     for kernel in [KernelKind::CubicSpline, KernelKind::WendlandC2] {
         let volume = spacing * spacing * kernel.plane_thickness() * RADIUS;
-        let with = Discretization { kernel, support_radius: RADIUS, volume, dimension: Dimension::Two };
+        let with = Discretization {
+            kernel,
+            support_radius: RADIUS,
+            volume,
+            rest_sum: 1.0,
+            dimension: Dimension::Two,
+        };
         let Arranged { positions, fields, neighbours } = arrange_with(&points, with);
         let velocities = positions.iter().map(|x| [(x.y * x.y) as f32, 0.0, 0.0, 0.0]).collect();
         let (densities, places) = (fields.neighbourhoods, fields.places);

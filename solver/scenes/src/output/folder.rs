@@ -2,6 +2,7 @@
 
 use super::animation::{self, AnimationSettings};
 use super::bodies::{BodyMesh, write_mesh};
+use super::notes;
 use super::particles::{self, CollectionEntry, ParticleFormat};
 use super::picture::{Painter, PictureSettings, World};
 use super::poses::{self, BodyFile, PoseRow};
@@ -12,6 +13,7 @@ use crate::error::Error;
 use serde::{Deserialize, Serialize};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
+use volmap_fluid::settings::SolverSettings;
 use volmap_formats::asset::clear_leftovers;
 
 /// What is written.
@@ -29,6 +31,8 @@ pub struct FolderSettings {
     pub animation: AnimationSettings,
     /// Whether steps get rows.
     pub statistics: bool,
+    /// The limits of the run's solves, for what the summary says of them.
+    pub solver: SolverSettings,
 }
 
 impl Default for FolderSettings {
@@ -40,6 +44,7 @@ impl Default for FolderSettings {
             animate: true,
             animation: AnimationSettings::default(),
             statistics: true,
+            solver: SolverSettings::default(),
         }
     }
 }
@@ -185,7 +190,8 @@ impl Output {
     /// # Errors
     /// A file that can't be read or written.
     pub fn finish(&self) -> Result<RunSummary, Error> {
-        let summary = summarise(&self.steps.rows()?);
+        let steps = self.steps.rows()?;
+        let summary = RunSummary { notes: notes::of_run(&steps, &self.settings.solver), ..summarise(&steps) };
         let json = serde_json::to_vec_pretty(&summary).expect("numbers and text");
         publish(&self.folder.join("stats.json"), &json)?;
         if !self.bodies.is_empty() {

@@ -23,8 +23,20 @@ pub struct StepStatistics {
     pub divergence_iterations: u32,
     /// Iterations of the viscous solve; 0 without implicit viscosity and drag at bodies.
     pub viscosity_iterations: u32,
-    /// Mean error of the density at the end of its solve, in parts of the rest density.
+    /// How much denser than at rest the fluid is, mean over all particles, in parts of the rest density; those that are
+    /// less dense count as 0. At the beginning of the step: after the one before, and with what emitters have added.
     pub density_error: f64,
+    /// The same of the densest particle.
+    pub density_error_max: f64,
+    /// Where that one is, metres.
+    pub densest_x: f64,
+    /// See `densest_x`.
+    pub densest_y: f64,
+    /// See `densest_x`.
+    pub densest_z: f64,
+    /// What the solve that keeps the density left of the errors that it was to correct, mean over all particles, in
+    /// parts of the rest density. It corrects at most 1 % in a step.
+    pub density_residual: f64,
     /// Mean change of the density in the step at the end of the other solve, in parts of the rest density.
     pub divergence_error: f64,
     /// Residual at the end of the viscous solve, in parts of the velocities.
@@ -37,6 +49,8 @@ pub struct StepStatistics {
     pub near_bodies: u64,
     /// Particles that emitters made.
     pub emitted: u64,
+    /// Particles that emitters should have made, and for which there was no room.
+    pub held: u64,
     /// Particles that left the domain and were removed.
     pub removed: u64,
     /// Particles that were found inside a body and pushed out.
@@ -76,13 +90,19 @@ impl StepStatistics {
             density_iterations: report.density.iterations,
             divergence_iterations: report.divergence.iterations,
             viscosity_iterations: report.viscosity.iterations,
-            density_error: report.density.error,
+            density_error: report.compression.mean,
+            density_error_max: report.compression.largest,
+            densest_x: report.compression.place.x,
+            densest_y: report.compression.place.y,
+            densest_z: report.compression.place.z,
+            density_residual: report.density.error,
             divergence_error: report.divergence.error,
             viscosity_error: report.viscosity.error,
             max_speed: report.max_speed,
             neighbours: simulation.mean_neighbours(),
             near_bodies: report.near_bodies as u64,
             emitted: report.emitted as u64,
+            held: report.held as u64,
             removed: report.removed as u64,
             inside_body: report.inside as u64,
             step_ms: ms(stages.total() + writing),
@@ -136,6 +156,8 @@ pub struct RunSummary {
     pub particles: u64,
     /// Particles that emitters made.
     pub emitted: u64,
+    /// Particles that emitters should have made, and for which there was no room.
+    pub held: u64,
     /// Particles that left the domain and were removed.
     pub removed: u64,
     /// Particles that were pushed out of bodies; one counts once per step.
@@ -148,14 +170,21 @@ pub struct RunSummary {
     pub divergence_iterations: Spread,
     /// Iterations of the viscous solve.
     pub viscosity_iterations: Spread,
-    /// Mean error of the density, in parts of the rest density.
+    /// How much denser than at rest the fluid is, mean over all particles, in parts of the rest density.
     pub density_error: Spread,
+    /// The same of the densest particle.
+    pub density_error_max: Spread,
+    /// What the solve that keeps the density left of it, mean over all particles.
+    pub density_residual: Spread,
     /// Largest speed, m/s.
     pub max_speed: Spread,
     /// Wall-clock time of a step, milliseconds.
     pub step_ms: Spread,
     /// Wall-clock times of the stages of a step, milliseconds.
     pub stages_ms: BTreeMap<String, Spread>,
+    /// What the user should know of how it went.
+    #[serde(default)]
+    pub notes: Vec<String>,
 }
 
 /// How a number spreads over the steps.
@@ -185,7 +214,7 @@ impl Spread {
     }
 }
 
-/// Sums up the steps of a run, in their order.
+/// Sums up the steps of a run, in their order; without notes.
 pub fn summarise(steps: &[StepStatistics]) -> RunSummary {
     let spread = |of: fn(&StepStatistics) -> f64| Spread::of(steps.iter().map(of));
     let count = |of: fn(&StepStatistics) -> u64| steps.iter().map(of).sum();
@@ -199,6 +228,7 @@ pub fn summarise(steps: &[StepStatistics]) -> RunSummary {
         particle_steps_per_second: if wall_seconds > 0.0 { particle_steps / wall_seconds } else { 0.0 },
         particles: last.particles,
         emitted: count(|s| s.emitted),
+        held: count(|s| s.held),
         removed: count(|s| s.removed),
         brought_back: count(|s| s.inside_body),
         dt: spread(|s| s.dt),
@@ -206,9 +236,12 @@ pub fn summarise(steps: &[StepStatistics]) -> RunSummary {
         divergence_iterations: spread(|s| s.divergence_iterations.into()),
         viscosity_iterations: spread(|s| s.viscosity_iterations.into()),
         density_error: spread(|s| s.density_error),
+        density_error_max: spread(|s| s.density_error_max),
+        density_residual: spread(|s| s.density_residual),
         max_speed: spread(|s| s.max_speed),
         step_ms: spread(|s| s.step_ms),
         stages_ms: STAGES.map(|stage| (stage.name.to_owned(), spread(stage.milliseconds))).into(),
+        notes: Vec::new(),
     }
 }
 

@@ -79,11 +79,11 @@ pub(super) fn viscosity(at: &At, fluid: &FluidSettings, solver: &SolverSettings,
     let limit = viscous_limit(fluid, world);
     let step = &solver.time_step;
     let (key, least) = if step.adaptive { ("min", step.min) } else { ("initial", step.initial) };
+    let default = if fluid.viscosity == FluidSettings::default().viscosity { ", the default," } else { "" };
     at.require("viscosity", least <= limit, || {
         format!(
-            "{} m^2/s needs time steps of at most {limit:.2e} s; solver.time_step.{key} is {least:e} s; \
-            viscosity_method = \
-             \"implicit\" takes longer ones",
+            "{} m^2/s{default} needs time steps of at most {limit:.2e} s; solver.time_step.{key} is {least:e} s; \
+             viscosity_method = \"implicit\" takes longer ones",
             fluid.viscosity
         )
     })

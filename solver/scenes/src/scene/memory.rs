@@ -63,12 +63,13 @@ pub fn of_maps<'a>(maps: impl Iterator<Item = &'a Arc<VolumeMap>>) -> u64 {
 }
 
 /// Particles that the emitters of a scene add until a time, seconds, at most.
-fn emitted(scene: &Scene, end: f64) -> u64 {
+pub fn emitted(scene: &Scene, end: f64) -> u64 {
     let of = |settings: &EmitterSettings| {
-        let layer = nozzle::emitter(settings, scene.particle_radius).layer().len() as f64;
+        let emitter = nozzle::emitter(settings, scene.rest_spacing());
         let seconds = (settings.stop.unwrap_or(end).min(end) - settings.start).max(0.0);
-        let layers = (seconds * settings.speed / scene.spacing()).ceil();
-        ((layer * layers) as u64).min(settings.max_particles)
+        // The first layer leaves at once.
+        let most = seconds * emitter.particles_per_second() + emitter.particles_per_layer();
+        (most.ceil() as u64).min(settings.max_particles)
     };
     scene.emitters.iter().map(of).fold(0, u64::saturating_add)
 }

@@ -10,6 +10,7 @@ use super::nozzle;
 use super::overlap::{BODY_MARGIN, drop_in_bodies};
 use super::sources::{self, PlacedParticles, Solid, SourceCount};
 use crate::error::Error;
+use glam::DVec3;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use volmap_bake::cache::default_folder;
@@ -21,7 +22,7 @@ use volmap_fluid::boundary::particles;
 use volmap_fluid::emitter::Emitter;
 use volmap_fluid::settings::BoundaryMethod;
 use volmap_formats::mesh::TriangleMesh;
-use volmap_formats::text::thousands;
+use volmap_formats::text::{percent, significant, thousands};
 use volmap_runtime::{Pose, PosedMap, VolumeMap};
 
 /// What a simulation starts with.
@@ -113,10 +114,11 @@ fn prepare_from(scene: &Scene, library: Library) -> Result<Prepared, Error> {
     let mut files = Vec::new();
     let bodies = prepare_bodies(scene, &mut library, &mut files)?;
     let solids = prepare_solids(scene, &mut library, &mut files)?;
-    let mut notes = library.notes;
+    let mut notes = scene.all_notes();
+    notes.extend(library.notes);
     let posed: Vec<PosedMap> = bodies.iter().map(PreparedBody::posed).collect();
     let particles = sources::fill(scene, &solids, &posed)?;
-    let emitter = |settings| nozzle::emitter(settings, scene.particle_radius);
+    let emitter = |settings| nozzle::emitter(settings, scene.rest_spacing());
     let emitters: Vec<Emitter> = scene.emitters.iter().map(emitter).collect();
     check_not_empty(scene, &particles, &emitters, &bodies)?;
     notes.extend(particles.counts.iter().filter_map(left_out));
@@ -240,14 +242,15 @@ fn dry(
     bodies: &[PreparedBody],
     scene: &Scene,
 ) -> Option<String> {
-    let count = emitter.layer().len() as u64;
-    if count > settings.max_particles {
-        let most = thousands(settings.max_particles);
-        return Some(format!("a layer has {} particles, more than max_particles, {most}", thousands(count)));
+    let count = emitter.places().count() as u64;
+    if emitter.is_done() {
+        let (layer, most) =
+            (significant(emitter.particles_per_layer(), 3), thousands(settings.max_particles));
+        return Some(format!("a layer has {layer} particles, more than max_particles, {most}"));
     }
     let margin = BODY_MARGIN * scene.particle_radius;
     let in_body = |body: &&PreparedBody| {
-        drop_in_bodies(&mut emitter.layer().to_vec(), &[body.posed()], margin) == count
+        drop_in_bodies(&mut emitter.places().collect(), &[body.posed()], margin) == count
     };
     let body = bodies.iter().find(in_body)?;
     Some(format!(
@@ -277,9 +280,11 @@ fn left_out(count: &SourceCount) -> Option<String> {
 }
 
 fn blocked(index: usize, emitter: &Emitter, bodies: &[PosedMap], scene: &Scene) -> Option<String> {
-    let mut places = emitter.layer().to_vec();
+    let mut places: Vec<DVec3> = emitter.places().collect();
+    let all = places.len();
     let blocked = drop_in_bodies(&mut places, bodies, BODY_MARGIN * scene.particle_radius);
-    let all = emitter.layer().len();
-    (blocked > 0)
-        .then(|| format!("emitters[{index}]: {blocked} of the {all} particles of a layer lie in a body"))
+    (blocked > 0).then(|| {
+        let part = percent(blocked as f64 / all as f64);
+        format!("emitters[{index}]: {part} of the nozzle lies in a body, and gives nothing there")
+    })
 }

@@ -2,8 +2,8 @@
 
 use super::body::{self, Body, Motion};
 use super::map::{Origin, read_mesh};
-use super::memory::{BYTES_OF_PROGRAM, BYTES_PER_PARTICLE, of_maps};
-use super::nozzle;
+use super::memory::{BYTES_OF_PROGRAM, BYTES_PER_PARTICLE, emitted, of_maps};
+use super::nozzle::{self, Flow};
 use super::prepare::PreparedBody;
 use super::sources::SourceCount;
 use super::{Scene, load};
@@ -12,7 +12,6 @@ use serde::Serialize;
 use std::fmt::{self, Display, Formatter};
 use std::path::Path;
 use volmap_fluid::bodies::Mass;
-use volmap_fluid::emitter::Emitter;
 use volmap_fluid::lattice;
 use volmap_fluid::settings::BoundaryMethod;
 use volmap_formats::mesh::TriangleMesh;
@@ -65,8 +64,10 @@ pub struct SceneSummary {
 /// A source of particles, briefly.
 #[derive(Clone, Debug, Serialize)]
 pub struct SourceFacts {
-    /// Particles, if they are known; of an emitter those of a layer.
+    /// Particles, if they are known; of an emitter those of a layer, in the mean.
     pub particles: Option<u64>,
+    /// Of an emitter: what it gives.
+    pub flow: Option<Flow>,
     /// Key and file of the source.
     pub text: String,
     /// Whether the text tells the particles as well.
@@ -76,7 +77,7 @@ pub struct SourceFacts {
 
 impl SourceFacts {
     fn new(particles: Option<u64>, text: String) -> SourceFacts {
-        SourceFacts { particles, text, is_complete: false }
+        SourceFacts { particles, flow: None, text, is_complete: false }
     }
 }
 
@@ -171,6 +172,7 @@ pub fn info(path: &Path) -> Result<SceneSummary, Error> {
     out.are_placed = scene.bodies.is_empty() && scene.domain.is_none();
     out.add_emitters(&scene);
     out.estimate(&scene, counts.iter().sum());
+    out.notes = scene.all_notes();
     Ok(out)
 }
 
@@ -252,13 +254,19 @@ fn methods(scene: &Scene) -> Vec<String> {
 
 impl SceneSummary {
     fn add_emitters(&mut self, scene: &Scene) {
+        self.emitted = emitted(scene, scene.stop.time);
         for (i, settings) in scene.emitters.iter().enumerate() {
-            let emitter = nozzle::emitter(settings, scene.particle_radius);
-            let layer = emitter.layer().len() as u64;
-            self.emitted += emitted(emitter, scene.stop.time);
-            let rate = layer as f64 * settings.speed / scene.spacing();
-            let text = format!("emitters[{i}]: {layer} particles per layer, {rate:.0} per second");
-            self.sources.push(SourceFacts { particles: Some(layer), text, is_complete: true });
+            let emitter = nozzle::emitter(settings, scene.rest_spacing());
+            let flow = nozzle::flow(settings, scene.rest_spacing(), &emitter);
+            let text = format!(
+                "emitters[{i}]: {} m^3/s asked, {} m^3/s given; {} particles per layer, {} per second",
+                significant(flow.asked, 4),
+                significant(flow.given, 4),
+                significant(emitter.particles_per_layer(), 3),
+                significant(emitter.particles_per_second(), 4),
+            );
+            let particles = Some(emitter.particles_per_layer().round() as u64);
+            self.sources.push(SourceFacts { particles, flow: Some(flow), text, is_complete: true });
         }
     }
 
@@ -271,14 +279,6 @@ impl SceneSummary {
         let steps = (scene.stop.time / longest - 1e-6).ceil() as u64;
         self.least_steps = steps.max(1).min(scene.stop.steps.unwrap_or(u64::MAX));
     }
-}
-
-/// Particles that an emitter gives until `end`, seconds.
-fn emitted(mut emitter: Emitter, end: f64) -> u64 {
-    // In pieces: places of all of them need not be in memory at once.
-    let pieces = 64;
-    let mut count = |n: u32| emitter.emit(end * f64::from(n) / f64::from(pieces)).len() as u64;
-    (0..=pieces).map(&mut count).sum()
 }
 
 impl Display for SceneSummary {

@@ -22,6 +22,7 @@ pub fn folder_settings(scene: &Scene) -> FolderSettings {
         animate: settings.preview.contains(&Picture::Apng),
         animation: AnimationSettings { frames_per_second, ..Default::default() },
         statistics: settings.statistics,
+        solver: scene.solver.clone(),
     }
 }
 
@@ -62,7 +63,7 @@ pub fn far_origin(beginning: &Beginning) -> Option<DVec3> {
         })
     };
     let fluid = simulation.particles().positions.iter().copied();
-    let jets = simulation.emitters().iter().flat_map(|emitter| emitter.layer().iter().copied());
+    let jets = simulation.emitters().iter().flat_map(|emitter| emitter.places());
     let all = fluid.chain(jets).chain(bodies.iter().flat_map(corners));
     let [low, high] = all.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], around);
     let error = 0.5 * f64::from(f32::EPSILON) * low.abs().max(high.abs()).max_element();
@@ -97,7 +98,7 @@ pub fn picture_world(beginning: &Beginning, meshes: &[Option<BodyMesh>], origin:
     for &position in &simulation.particles().positions {
         bounds.add((position - origin).as_vec3());
     }
-    for &place in simulation.emitters().iter().flat_map(|emitter| emitter.layer()) {
+    for place in simulation.emitters().iter().flat_map(|emitter| emitter.places()) {
         bounds.add((place - origin).as_vec3());
     }
     let mut props = Vec::new();

@@ -10,18 +10,23 @@ use volmap_fluid::settings::{BoundaryMethod, BoundaryPressure, FluidSettings, So
 use volmap_fluid::setup::Setup;
 use volmap_fluid::shapes::Shape;
 use volmap_fluid::simulation::Simulation;
-use volmap_runtime::{ClosureKind, DVec3};
+use volmap_runtime::{ClosureKind, DVec3, KernelKind};
 
 /// Half of the tank's edge.
 pub const HALF_WIDTH: f64 = 0.5;
 /// Time at the end over which figures are averaged, seconds.
 const WINDOW: f64 = 1.0;
 
+/// Time in which what begins at rest must not move, seconds.
+const FIRST: f64 = 0.5;
+
 /// A simulation of a column.
 #[derive(Clone, Debug)]
 pub struct Column {
     /// Particle radius rp.
     pub radius: f64,
+    /// Kernel of the sums over neighbours, and its support radius in rp.
+    pub kernel: (KernelKind, f64),
     /// Closure of the boundary.
     pub closure: ClosureKind,
     /// Volume of a particle in parts of (2 rp)^3.
@@ -68,6 +73,8 @@ pub struct Rest {
     pub drift: f64,
     /// Means per step of the iterations of the density and the divergence solve in the last second.
     pub iterations: [f64; 2],
+    /// Largest speed of a particle in the first half second, m/s.
+    pub first_speed: f64,
     /// Particles found in the wall, over all steps.
     pub inside: usize,
     /// Particles that were lost.
@@ -88,6 +95,9 @@ impl Column {
         run.until(&mut simulation, self.end, &mut |simulation, report| {
             rest.energies.push([simulation.time(), kinetic_energy(simulation)]);
             rest.inside += report.inside;
+            if simulation.time() < FIRST {
+                rest.first_speed = rest.first_speed.max(report.max_speed);
+            }
             rest.lost += report.removed;
             if simulation.time() > 0.5 * self.end {
                 half.get_or_insert_with(|| centre(simulation));
@@ -102,10 +112,16 @@ impl Column {
         Ok(rest)
     }
 
+    /// Metres.
+    pub fn support_radius(&self) -> f64 {
+        self.kernel.1 * self.radius
+    }
+
     fn simulation(&self, tank: &Shape) -> Result<Simulation, Error> {
         let world = World {
             particle_radius: self.radius,
-            support_radius: 4.0 * self.radius,
+            support_radius: self.support_radius(),
+            kernel: self.kernel.0,
             boundary: self.boundary,
             closure: self.closure,
             ..World::default()

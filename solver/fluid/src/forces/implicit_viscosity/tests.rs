@@ -76,7 +76,13 @@ fn world() -> World {
 }
 
 fn with() -> Discretization {
-    Discretization { kernel: KIND, support_radius: RADIUS, volume: VOLUME, dimension: Dimension::Three }
+    Discretization {
+        kernel: KIND,
+        support_radius: RADIUS,
+        volume: VOLUME,
+        rest_sum: 1.0,
+        dimension: Dimension::Three,
+    }
 }
 
 /// One vector for each particle.

@@ -1,0 +1,83 @@
+//! Where there is room for a particle that a nozzle would add: out of bodies, away from other particles, and where the
+//! fluid isn't compressed already. So a nozzle under water adds what the water gives way to, and one in a tank that is
+//! full adds nothing.
+
+use crate::bodies::Bodies;
+use glam::IVec3;
+use std::collections::HashMap;
+use volmap_runtime::{DVec3, PosedMap};
+
+/// Nearer to a particle than this part of a spacing there is no room, nor nearer to a body than that part. Fluid at rest
+/// gives way to what comes between its particles, but not to what lies on top of them.
+const NEAREST: f64 = 0.2;
+const NEAREST_BODY: f64 = 0.1;
+/// Fluid that is denser than at rest by more than this part has no room: what the density solve corrects in a step.
+pub const FULL: f64 = 0.01;
+
+/// Particles and bodies near some places. By default there are none, and there is room everywhere.
+#[derive(Clone, Debug, Default)]
+pub struct Room {
+    spacing: f64,
+    /// Particles by cubes of the spacing: where they are, and whether the fluid is compressed there.
+    cubes: HashMap<IVec3, Vec<(DVec3, bool)>>,
+    bodies: Vec<PosedMap>,
+}
+
+impl Room {
+    /// What is near some places, metres, in a fluid of this spacing at rest. `densities` are relative ones of the
+    /// first particles; the others are at rest.
+    pub fn near(
+        places: &[DVec3],
+        positions: &[DVec3],
+        densities: &[f32],
+        bodies: &Bodies,
+        spacing: f64,
+    ) -> Room {
+        let low = places.iter().fold(DVec3::INFINITY, |low, &x| low.min(x)) - spacing;
+        let high = places.iter().fold(DVec3::NEG_INFINITY, |high, &x| high.max(x)) + spacing;
+        let mut room = Room { spacing, bodies: bodies.posed().to_vec(), ..Room::default() };
+        for (i, &x) in positions.iter().enumerate() {
+            if x.cmpge(low).all() && x.cmple(high).all() {
+                let density = densities.get(i).map_or(1.0, |&density| f64::from(density));
+                let particle = (x, density > 1.0 + FULL);
+                room.cubes.entry(room.cube(x)).or_default().push(particle);
+            }
+        }
+        room
+    }
+
+    /// Whether a particle can be put at a place, metres.
+    pub fn is_free(&self, place: DVec3) -> bool {
+        let in_body = |body: &PosedMap| body.values(place).distance < NEAREST_BODY * self.spacing;
+        if self.bodies.iter().any(in_body) {
+            return false;
+        }
+        let cube = self.cube(place);
+        let around = (0..27).map(|i| IVec3::new(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1));
+        let near = around.filter_map(|step| self.cubes.get(&cube.saturating_add(step))).flatten();
+        near.map(|&(x, compressed)| (x.distance(place), compressed)).all(|(distance, compressed)| {
+            distance >= self.spacing || distance >= NEAREST * self.spacing && !compressed
+        })
+    }
+
+    fn cube(&self, x: DVec3) -> IVec3 {
+        (x / self.spacing).floor().as_ivec3()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn there_is_room_away_from_particles_and_bodies() {
+        let none = Bodies::new(Vec::new(), DVec3::ZERO).unwrap();
+        let at = |x: f64| DVec3::new(x, 0.0, 0.0);
+        let room = |density: f32| Room::near(&[at(0.0), at(1.0)], &[at(0.0)], &[density], &none, 0.1);
+        let free = |density: f32, x: f64| room(density).is_free(at(x));
+        assert!(!free(1.0, 0.0) && !free(1.0, 0.019) && free(1.0, 0.021) && free(1.0, 1.0));
+        // Compressed fluid takes nothing beside it either.
+        assert!(!free(1.1, 0.06) && !free(1.1, 0.099) && free(1.1, 0.101));
+        assert!(Room::default().is_free(at(0.0)));
+    }
+}
