@@ -37,7 +37,7 @@ fn run(run: &Run) -> Result<Outcome, Error> {
         let calm = Row::new(&name, "largest speed in the first half second", "m/s", rest.first_speed);
         outcome.rows.push(calm.at_most(1.0));
         if !run.short {
-            outcome.rows.extend(rows(&Case { name: name.clone(), column, judged: true }, &rest));
+            outcome.rows.extend(rows(run, &Case { name: name.clone(), column, judged: true }, &rest));
             momentum::collide(run, &mut outcome, &name, 0.01, (kernel, radii))?;
             floats::of_kernel(run, &mut outcome, &name, (kernel, radii))?;
         }
