@@ -428,7 +428,7 @@ fn a_unit_that_is_not_meant_is_told_with_the_parameter_that_was_given() {
     place.write("meshes/flange.obj", &format!("{corners}f {faces}"));
     let manifest = "[[assets]]\nmesh = \"meshes/*.obj\"\nbake = { particle_radius = 0.0025 }\n";
     place.write("assets.toml", &format!("version = 1\n{manifest}"));
-    let says = "the mesh is 1000 m long, 100,000 support radii; if its numbers are millimetres, give `unit` mm (1 m then)";
+    let says = "the mesh is 1,000 m long, 100,000 support radii; if its numbers are millimetres, give `unit` mm (1 m then)";
     let (code, text) = place.batch("out", &["--check"]);
     assert!(
         code == Some(1) && text.contains(&format!("cannot bake    flange: {says}: particle_radius: ")),
@@ -439,13 +439,13 @@ fn a_unit_that_is_not_meant_is_told_with_the_parameter_that_was_given() {
     let (code, text) = place.batch("out", &["--max-memory", "64MiB"]);
     assert!(
         code == Some(1)
-            && text.contains("flange: the mesh is 1000 m long, 625 support radii: the bake would"),
+            && text.contains("flange: the mesh is 1,000 m long, 625 support radii: the bake would"),
         "{text}"
     );
     // By default the radius follows from the mesh, and the warning comes before the bake and after it.
     place.write("assets.toml", "version = 1\n[[assets]]\nmesh = \"meshes/*.obj\"\n");
     let warning =
-        "warning: the mesh is 1000 m long; if its numbers are millimetres, give `unit` mm (1 m then)";
+        "warning: the mesh is 1,000 m long; if its numbers are millimetres, give `unit` mm (1 m then)";
     for more in [&["--check"][..], &[]] {
         let (code, text) = place.batch("out", more);
         assert!(code == Some(0) && text.contains(warning), "{text}");
@@ -457,11 +457,11 @@ fn a_unit_that_is_not_meant_is_told_with_the_parameter_that_was_given() {
         [done.stdout, done.stderr].map(|bytes| String::from_utf8(bytes).unwrap()).concat()
     };
     let text = bake(&["--particle-radius", "0.0025"]);
-    assert!(text.starts_with("error: the mesh is 1000 m long, 100,000 support radii; if its"), "{text}");
+    assert!(text.starts_with("error: the mesh is 1,000 m long, 100,000 support radii; if its"), "{text}");
     assert!(text.contains("give --unit mm (1 m then): --particle-radius: "), "{text}");
     let text = bake(&[]);
     assert!(
-        text.contains("warning    the mesh is 1000 m long; if its numbers are millimetres, give --unit mm"),
+        text.contains("warning    the mesh is 1,000 m long; if its numbers are millimetres, give --unit mm"),
         "{text}"
     );
     assert!(

@@ -192,7 +192,7 @@ fn a_bad_mesh_is_told_as_such() {
         "16",
         "--check-sign",
     ]));
-    for part in ["NOT closed", "rim", "1 duplicate face dropped", "more than two faces", "were turned"] {
+    for part in ["NOT closed", "rim", "1 duplicate face dropped", "more than two faces", "flipped"] {
         assert!(text.contains(part), "no `{part}` in\n{text}");
     }
 }

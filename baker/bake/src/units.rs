@@ -143,7 +143,7 @@ mod tests {
         // A bracket and a flange of a metre, a spider of two, an inch-sized part.
         assert_eq!(
             said(lengths(1000.0, Some(0.01))),
-            "the mesh is 1000 m long, 100,000 support radii; if its numbers are millimetres, give `unit` mm (1 m then)"
+            "the mesh is 1,000 m long, 100,000 support radii; if its numbers are millimetres, give `unit` mm (1 m then)"
         );
         assert!(
             said(lengths(1000.0, None))
@@ -204,7 +204,7 @@ mod tests {
         let memory = || Error::Memory { needed: 40 << 30, allowed: 4 << 30 };
         let text = lengths(194.0, Some(0.1)).explain(memory()).to_string();
         assert!(
-            text.starts_with("the mesh is 194 m long, 1940 support radii; if its numbers are cent"),
+            text.starts_with("the mesh is 194 m long, 1,940 support radii; if its numbers are cent"),
             "{text}"
         );
         let text = lengths(12.0, Some(0.02)).explain(memory()).to_string();
