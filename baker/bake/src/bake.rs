@@ -33,6 +33,7 @@ use crate::storage::{field_bytes, stored_asset};
 pub use crate::summary::{CellCounts, Rounding, Summary};
 use crate::tolerance::{Found, SearchProblem, search};
 use crate::units::Lengths;
+use crate::warnings;
 use crate::watch::Watch;
 use volmap_formats::asset::Asset;
 
@@ -203,7 +204,7 @@ impl PlannedBake {
             placement: input.placement,
             plan,
         };
-        summary.warnings = describe::warnings(&summary, &maps, &settings, &lengths);
+        summary.warnings = warnings::warnings(&summary, &maps, &settings, &lengths);
         let (asset, rounding) = stored_asset(maps, &summary.plan, &settings.map)?;
         summary.rounding = rounding;
         let asset = Asset {

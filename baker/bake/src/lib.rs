@@ -103,6 +103,7 @@ pub mod summary;
 pub mod tolerance;
 pub mod units;
 pub mod volume_map;
+pub mod warnings;
 pub mod watch;
 
 pub use error::Error;

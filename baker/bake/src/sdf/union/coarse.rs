@@ -16,11 +16,26 @@ pub struct Bounds {
     upper: [f32; 3],
 }
 
+impl Bounds {
+    #[inline]
+    fn meets(&self, other: &Bounds) -> bool {
+        (0..3).all(|axis| self.lower[axis] <= other.upper[axis] && other.lower[axis] <= self.upper[axis])
+    }
+}
+
 /// Boxes of the four parts below a node.
 #[derive(Clone, Copy)]
 pub struct Boxes {
     lower: [f32x4; 3],
     upper: [f32x4; 3],
+}
+
+/// A triangle with its box and plane.
+struct CoarseTriangle {
+    bounds: Bounds,
+    corners: [[f32; 3]; 3],
+    normal: [f32; 3],
+    offset: f32,
 }
 
 /// Up to four triangles.
@@ -29,8 +44,10 @@ pub struct CoarseLeaf {
     pub count: usize,
     /// The box of all.
     pub bounds: Bounds,
-    /// The box of each.
+    /// The box of each, side by side.
     boxes: Boxes,
+    /// The triangles one by one.
+    each: [CoarseTriangle; 4],
     corners: [[f32x4; 3]; 3],
     /// Unit normals, 0 for triangles without area, and the planes' distances from the origin.
     normals: [f32x4; 3],
@@ -54,33 +71,37 @@ impl CoarseLeaf {
         let normal = area.scale(inverse);
         let corners = [a, b, c].map(single);
         let boxes = Boxes::around(&corners);
-        CoarseLeaf {
-            count,
-            bounds: boxes.joined(),
-            boxes,
-            normals: single(normal),
-            offsets: lanes(normal.dot(a)),
-            margins: f32x4::splat(PLANE_ERROR + (tolerance * bvh.frame.scale) as f32),
-            corners,
-        }
+        let (normals, offsets) = (single(normal), lanes(normal.dot(a)));
+        let each = [0, 1, 2, 3].map(|lane| {
+            let at = |v: f32x4| v.as_array()[lane];
+            let bounds = Bounds { lower: boxes.lower.map(at), upper: boxes.upper.map(at) };
+            let (normal, offset) = (normals.map(at), at(offsets));
+            CoarseTriangle { bounds, corners: corners.map(|corner| corner.map(at)), normal, offset }
+        });
+        let margins = f32x4::splat(PLANE_ERROR + (tolerance * bvh.frame.scale) as f32);
+        CoarseLeaf { count, bounds: boxes.joined(), boxes, each, corners, normals, offsets, margins }
     }
 
     /// Which triangles of another leaf may meet a triangle of this one: boxes overlap, and neither lies strictly on one
     /// side of the other's plane, but for an edge that lies in it.
     #[inline]
     pub fn near(&self, lane: usize, other: &CoarseLeaf) -> u32 {
-        let bounds = self.boxes.lane(lane);
-        let near = other.boxes.meeting(&bounds) & ((1 << other.count) - 1);
+        let CoarseTriangle { bounds, corners, normal, offset } = &self.each[lane];
+        if !bounds.meets(&other.bounds) {
+            return 0;
+        }
+        let near = other.boxes.meeting(bounds) & ((1 << other.count) - 1);
         if near == 0 {
             return 0;
         }
-        let at = |v: f32x4| f32x4::splat(v.as_array()[lane]);
-        let normal = self.normals.map(at);
-        let offset = at(self.offsets);
+        let (normal, offset) = (normal.map(f32x4::splat), f32x4::splat(*offset));
         let of_others = other.corners.map(|corner| dot(normal, corner) - offset);
-        let of_this = self.corners.map(|corner| dot(other.normals, corner.map(at)) - other.offsets);
-        let meets = across(of_others, at(self.margins)) & across(of_this, other.margins);
-        meets.to_bitmask() & near
+        let near = near & across(of_others, self.margins).to_bitmask();
+        if near == 0 {
+            return 0;
+        }
+        let of_this = corners.map(|corner| dot(other.normals, corner.map(f32x4::splat)) - other.offsets);
+        near & across(of_this, other.margins).to_bitmask()
     }
 }
 
@@ -129,12 +150,6 @@ impl Boxes {
             below & self.upper[axis].simd_ge(f32x4::splat(other.lower[axis]))
         };
         (on(0) & on(1) & on(2)).to_bitmask()
-    }
-
-    #[inline]
-    fn lane(&self, lane: usize) -> Bounds {
-        let at = |v: f32x4| v.as_array()[lane];
-        Bounds { lower: self.lower.map(at), upper: self.upper.map(at) }
     }
 
     fn set(&mut self, slot: usize, bounds: &Bounds) {

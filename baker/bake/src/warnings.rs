@@ -1,0 +1,222 @@
+//! What a careful person would look at before using an asset: warnings, each with its place and cure.
+
+use crate::doubt::{MAX_SIGN_DISAGREEMENTS, has_solid};
+use crate::maps::Maps;
+use crate::recipe::BakeSettings;
+use crate::sdf::Overlaps;
+use crate::summary::Summary;
+use crate::units::Lengths;
+use volmap_formats::text::{number, percent, significant, thousands};
+
+/// Steps of the coordinates that are no matter, as a part of a cell.
+const COARSEST_STEP: f64 = 0.1;
+
+/// The warnings of a bake. The texts stand in assets: other words are other bytes.
+pub fn warnings(summary: &Summary, maps: &Maps, settings: &BakeSettings, lengths: &Lengths) -> Vec<String> {
+    let mut out: Vec<String> = lengths.suspicion().into_iter().collect();
+    mesh_warnings(summary, &mut out);
+    overlap_warning(summary, &mut out);
+    sign_warnings(summary, maps, settings, &mut out);
+    size_warnings(summary, settings, &mut out);
+    let [low, high] = summary.plan.cut;
+    let cut = low.iter().chain(&high).copied().fold(0.0, f64::max);
+    // A plane goes on beyond every domain.
+    if cut > 0.0 && !summary.shape.is_some_and(|placed| placed.shape().is_unbounded()) {
+        out.push(format!(
+            "the domain cuts the band of 2 support radii by up to {} m; outside the domain the map \
+             answers as far from the surface",
+            digits(cut)
+        ));
+    }
+    let cell = summary.plan.grid.cell_size.max_element();
+    if cell > 1.5 * summary.plan.support_radius {
+        out.push(format!(
+            "the cells are {} support radii large: too coarse for the volume; take more cells",
+            significant(cell / summary.plan.support_radius, 2)
+        ));
+    }
+    if settings.map.thickness != 0.0 {
+        out.push(format!(
+            "the surface is moved {} m out of the solid, by `thickness`",
+            settings.map.thickness
+        ));
+    }
+    out
+}
+
+fn mesh_warnings(summary: &Summary, out: &mut Vec<String>) {
+    let found = &summary.diagnosis;
+    let cleaning = &summary.cleaning;
+    out.extend(cleaning.notes.iter().map(|note| format!("{}: {note}", summary.source.format)));
+    if cleaning.skipped.total() > 0 {
+        out.push(format!("left out, for they hold no surface: {}", cleaning.skipped));
+    }
+    if let Some(hole) = found.boundary_loops.first() {
+        let [x, y, z] = hole.centroid;
+        out.push(format!(
+            "the mesh is open: {} rim{}, the longest {} m long around ({}, {}, {}); close it, or \
+             check the sign there",
+            found.boundary_loop_count,
+            plural(found.boundary_loop_count),
+            digits(hole.length),
+            digits(x),
+            digits(y),
+            digits(z)
+        ));
+    }
+    if found.non_manifold_edges.count > 0 {
+        let n = found.non_manifold_edges.count;
+        out.push(format!(
+            "{n} edge{} with more than two faces{}",
+            plural(n),
+            place(&found.non_manifold_edges.places)
+        ));
+    }
+    if found.misoriented_edges.count > 0 {
+        let n = found.misoriented_edges.count;
+        let places = place(&found.misoriented_edges.places);
+        out.push(format!("{n} edge{} whose faces don't run the same way round{places}", plural(n)));
+    }
+    let flipped = summary.repair.flipped_triangles;
+    if flipped > 0 {
+        out.push(format!("flipped {flipped} triangle{} to a consistent orientation", plural(flipped)));
+    }
+    if found.nested_solids.count > 0 {
+        let n = found.nested_solids.count;
+        out.push(format!(
+            "{n} part{} inside a solid; taken as solid{}",
+            plural(n),
+            place(&found.nested_solids.places)
+        ));
+    }
+}
+
+fn overlap_warning(summary: &Summary, out: &mut Vec<String>) {
+    let Overlaps { pairs, hidden, hidden_area, place: at, certain } = &summary.overlaps;
+    let at = place(at.as_slice());
+    let area = significant(*hidden_area, 3);
+    if *certain && *hidden > 0 {
+        out.push(format!(
+            "parts overlap: {hidden} triangle{} {} inside the solid, in whole or in part ({area} m^2{at}), and {} no \
+             surface there: distance and volume are those of the union",
+            plural(*hidden),
+            if *hidden == 1 { "lies" } else { "lie" },
+            if *hidden == 1 { "is" } else { "are" }
+        ));
+    } else if !*certain && *pairs > 0 {
+        out.push(format!(
+            "parts overlap: {pairs} pair{} of triangles cross or cover each other{at}, and the mesh is open, so what \
+             lies inside can't be told for certain: of {hidden} triangle{}, what surely does is left out ({area} m^2), \
+             others may still count as surface; close the mesh",
+            plural(*pairs),
+            plural(*hidden)
+        ));
+    }
+}
+
+/// Lengths that the cells or the file can't resolve.
+fn size_warnings(summary: &Summary, settings: &BakeSettings, out: &mut Vec<String>) {
+    let cell = summary.thin.cell;
+    for (thin, what, result) in [
+        (&summary.thin.walls, "walls thinner", "the map may leak there or miss them"),
+        (&summary.thin.gaps, "gaps narrower", "the map may close them"),
+    ] {
+        if thin.count == 0 {
+            continue;
+        }
+        let cure = match settings.map.thickness == 0.0 && what.starts_with("walls") {
+            true => ", or a `thickness`, which thickens them",
+            false => "",
+        };
+        out.push(format!(
+            "{what} than a cell ({} m): a line of the grid goes through one some {} time{}, the thinnest {} m \
+             wide{}; {result}; cells of that size resolve them (`cell_size`){cure}",
+            number(cell),
+            thousands(thin.count as u64),
+            plural(thin.count),
+            significant(thin.width, 2),
+            place(&thin.places)
+        ));
+    }
+    if let Some(step) = summary.coordinate_step.filter(|step| *step > COARSEST_STEP * cell) {
+        out.push(format!(
+            "the file's coordinates lie {} m apart, at cells of {} m: they look rounded, to single precision or few \
+             digits, as happens far from the origin; write the mesh near the origin, or in double precision",
+            significant(step, 2),
+            number(cell)
+        ));
+    }
+}
+
+/// Why a map has no solid.
+fn no_solid(summary: &Summary) -> String {
+    let found = &summary.diagnosis;
+    let cure = if found.inside_out_components.count > 0 {
+        "its faces point inwards: turn them (without `keep_orientation`, parts that are inside out are turned), or \
+         `invert` the map if the fluid is inside"
+    } else if summary.overlaps.pairs > 0 && found.balanced {
+        "its faces lie on each other the opposite way round, so that they enclose nothing: delete one of each two"
+    } else {
+        "give sheets a `thickness`, and thin parts smaller cells"
+    };
+    format!("no node lies inside: the map has no solid; {cure}")
+}
+
+fn sign_warnings(summary: &Summary, maps: &Maps, settings: &BakeSettings, out: &mut Vec<String>) {
+    let rounding = 1e-9 * summary.plan.support_radius;
+    if !has_solid(maps.distance.iter().copied(), summary.plan.support_radius) {
+        out.push(no_solid(summary));
+    }
+    if !maps.distance.iter().any(|phi| *phi > rounding) {
+        let cure = match (settings.map.invert, settings.map.thickness > 0.0) {
+            (_, true) => "the `thickness` fills it; take a smaller one",
+            (true, _) => "the container has no inside; check its faces, and `invert`",
+            (false, _) => "the domain lies inside the solid; check `domain` and `invert`",
+        };
+        out.push(format!("no node lies outside: nothing is left for the fluid; {cure}"));
+    }
+    let leaks = summary.leaks;
+    if leaks > 0 {
+        out.push(format!(
+            "the sign flips across {leaks} cell faces far from the surface: a hole is wider than two support radii; \
+             close the mesh or enlarge the support radius"
+        ));
+    }
+    let signs = summary.sign_comparison.as_ref();
+    let worst = signs.and_then(|signs| signs.worst.first()).map(|(at, distance)| (place(&[*at]), *distance));
+    let (at, distance) = worst.unwrap_or_default();
+    let doubt = summary.sign_doubt();
+    if doubt > MAX_SIGN_DISAGREEMENTS {
+        out.push(format!(
+            "the sign is in doubt at about {} of the nodes, up to {} m from the surface{at}; close the \
+             holes, or turn the faces one way round",
+            percent(doubt),
+            digits(distance)
+        ));
+    }
+    if let Some(signs) = signs.filter(|signs| settings.check_sign && signs.disagreeing > 0) {
+        out.push(format!(
+            "pseudonormals and winding numbers differ at {} of {} nodes, the farthest {} m from the \
+             surface{at}",
+            signs.disagreeing,
+            signs.points,
+            digits(distance)
+        ));
+    }
+}
+
+/// Lengths with four digits.
+fn digits(length: f64) -> String {
+    significant(length, 4)
+}
+
+fn plural(n: usize) -> &'static str {
+    if n == 1 { "" } else { "s" }
+}
+
+fn place(places: &[[f64; 3]]) -> String {
+    match places.first() {
+        Some(place) => format!(", as at ({})", place.map(digits).join(", ")),
+        None => String::new(),
+    }
+}
