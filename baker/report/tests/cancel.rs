@@ -74,6 +74,7 @@ fn reports_end_at_any_step() {
         "integrating the density",
         "measuring the distance",
         "comparing the signs",
+        "checking the exact distance",
         "measuring walls and gaps",
         "integrating at pixels",
         "drawing",

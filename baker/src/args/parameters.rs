@@ -120,11 +120,15 @@ mod tests {
         let is_bare = row.is_flag || row.example.parse::<f64>().is_ok();
         let value = if is_bare { row.example.to_owned() } else { format!("\"{}\"", row.example) };
         let flag = row.needs.map_or(String::new(), |flag| format!("{flag} = true\n"));
-        let text = format!(
-            "version = 1\n[defaults.bake]\n{flag}{} = {value}\n[[assets]]\nmesh = \"a.obj\"",
-            row.name
-        );
-        manifest::parse(&text, Syntax::Toml, "m.toml").unwrap().defaults.bake
+        // A shape is an asset's own: it has no mesh.
+        let text = match row.name {
+            "shape" => format!("version = 1\n[[assets]]\nname = \"a\"\nbake = {{ shape = {value} }}"),
+            name => {
+                format!("version = 1\n[[assets]]\nmesh = \"a.obj\"\n[defaults.bake]\n{flag}{name} = {value}")
+            }
+        };
+        let manifest = manifest::parse(&text, Syntax::Toml, "m.toml").unwrap();
+        if row.name == "shape" { manifest.assets[0].bake.clone() } else { manifest.defaults.bake }
     }
 
     #[test]

@@ -10,7 +10,7 @@ use super::read::read_tree;
 use super::schema::asset_from_tree;
 use super::tree::{Array, Attributes, Dataset, Tree, Value};
 use rayon::prelude::*;
-use rust_hdf5::{DatatypeMessage, Filter, FilterPipeline, H5Dataset, H5File, H5Group, H5Type, LibverBound};
+use rust_hdf5::{DatatypeMessage, Filter, FilterPipeline, H5Dataset, H5File, H5Group, H5Type};
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::Read;
@@ -60,8 +60,7 @@ fn to_bytes(tree: &Tree, compression: Compression, folder: &Path) -> Result<Vec<
     let write = || {
         let scratch = tempfile::Builder::new().prefix("volmap-").suffix(".h5").tempfile_in(folder)?;
         reserve(scratch.as_file(), room(tree, &chunks))?;
-        // The index of chunks that HDF5 1.8 has: readers in pure Python and JavaScript know no newer one.
-        let file = H5File::options().libver(LibverBound::V18).create(scratch.path()).map_err(asset_error)?;
+        let file = H5File::create(scratch.path()).map_err(asset_error)?;
         let (mut content, name) = scratch.into_parts();
         #[cfg(unix)]
         name.close()?;

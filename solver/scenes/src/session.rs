@@ -131,8 +131,15 @@ impl Session {
         scene.validate()?;
         let lock = claim(folder, settings.begin)?;
         let end = settings.until.unwrap_or(scene.stop.time);
-        let Plan { mut simulation, bodies, files, mut notes, .. } =
-            plan_within(&scene, end, settings.max_memory, watch, on_bake)?;
+        let planned = plan_within(&scene, end, settings.max_memory, watch, on_bake);
+        let (plan, lock) = match planned {
+            Ok(plan) => (plan, lock),
+            Err(error) => {
+                lock.give_back();
+                return Err(error);
+            }
+        };
+        let Plan { mut simulation, bodies, files, mut notes, .. } = plan;
         let identity = Identity::new(&scene, files);
         let meshes = body_meshes(&bodies);
         let beginning = Beginning { scene: &scene, simulation: &simulation, bodies: &bodies };

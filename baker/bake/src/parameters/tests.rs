@@ -61,7 +61,7 @@ fn input(recipe: &Recipe) -> Input {
 fn asset(parameters: &Parameters) -> (Attributes, Attributes, Vec<u8>) {
     // Small and coarse where nothing else is asked for.
     let coarse = parse_json(
-        r#"{"cell_size": 0.4, "support_radius": 0.4, "quadrature": "chord2", "density_quadrature": "gl6"}"#,
+        r#"{"cell_size": 0.4, "support_radius": 0.4, "quadrature": "chord2", "density_quadrature": "chord8"}"#,
     );
     let recipe = parameters.over(&coarse.unwrap()).recipe();
     let asset = bake(input(&recipe), &recipe.bake, &Watch::default()).unwrap().asset;

@@ -23,7 +23,9 @@ pub fn to_summary(asset: &Asset) -> String {
 }
 
 fn mesh(asset: &Asset, line: &mut impl FnMut(&str, String)) {
-    if let Some(file) = text(&asset.source, "file") {
+    if let Some(shape) = text(&asset.bake, "shape").filter(|shape| !shape.is_empty()) {
+        line("shape", shape.into());
+    } else if let Some(file) = text(&asset.source, "file") {
         let triangles = integer(&asset.source, "triangles").map(|n| format!(": {} triangles", thousands(n)));
         line("mesh", format!("{file}{}", triangles.unwrap_or_default()));
     }
