@@ -15,9 +15,9 @@ fn of_bake(error: &BakeError) -> Option<String> {
             let name = option(parameter).unwrap_or_else(|| (*parameter).to_owned());
             Some(format!("{name}: {}", with_options(reason)))
         }
-        BakeError::Sized { about, source } => {
-            let source = of_bake(source).unwrap_or_else(|| source.to_string());
-            Some(format!("{}: {source}", with_options(about)))
+        BakeError::Sized { about, reason } => {
+            let reason = of_bake(reason).unwrap_or_else(|| reason.to_string());
+            Some(format!("{}: {reason}", with_options(about)))
         }
         other @ (BakeError::Memory { .. } | BakeError::Unusable { .. }) => {
             Some(with_options(&other.to_string()))

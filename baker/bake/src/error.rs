@@ -65,12 +65,12 @@ pub enum Error {
         allowed: u64,
     },
     /// A bake isn't possible, and the mesh's length has to do with it.
-    #[error("{about}: {source}")]
+    #[error("{about}: {reason}")]
     Sized {
         /// The length, and the unit that is more likely.
         about: String,
         /// What isn't possible.
-        source: Box<Error>,
+        reason: Box<Error>,
     },
 }
 

@@ -472,8 +472,8 @@ impl Parameters {
                 Error::setting("particle_radius", reworded(reason))
             }
             Error::Setting { parameter, reason } => Error::setting(parameter, reworded(reason)),
-            Error::Sized { about, source } => {
-                Error::Sized { about: reworded(about), source: Box::new(self.explain(*source)) }
+            Error::Sized { about, reason } => {
+                Error::Sized { about: reworded(about), reason: Box::new(self.explain(*reason)) }
             }
             other => other,
         }

@@ -91,7 +91,7 @@ impl Lengths {
             (Error::Memory { .. }, None) => self.told(),
             _ => return error,
         };
-        Error::Sized { about, source: Box::new(error) }
+        Error::Sized { about, reason: Box::new(error) }
     }
 
     fn usual(&self) -> [f64; 2] {

@@ -104,12 +104,17 @@ fn overlap_warning(summary: &Summary, out: &mut Vec<String>) {
             if *hidden == 1 { "is" } else { "are" }
         ));
     } else if !*certain && *pairs > 0 {
+        let left_out = match hidden {
+            0 => "all still count as surface".to_owned(),
+            n => format!(
+                "of {n} triangle{}, what surely does is left out ({area} m^2), others may still count as surface",
+                plural(*n)
+            ),
+        };
         out.push(format!(
             "parts overlap: {pairs} pair{} of triangles cross or cover each other{at}, and the mesh is open, so what \
-             lies inside can't be told for certain: of {hidden} triangle{}, what surely does is left out ({area} m^2), \
-             others may still count as surface; close the mesh",
-            plural(*pairs),
-            plural(*hidden)
+             lies inside can't be told for certain: {left_out}; close the mesh",
+            plural(*pairs)
         ));
     }
 }
@@ -157,7 +162,7 @@ fn no_solid(summary: &Summary) -> String {
     } else if summary.overlaps.pairs > 0 && found.balanced {
         "its faces lie on each other the opposite way round, so that they enclose nothing: delete one of each two"
     } else {
-        "give sheets a `thickness`, and thin parts smaller cells"
+        "give sheets a `thickness`, thin parts smaller cells, and turn faces that point inwards"
     };
     format!("no node lies inside: the map has no solid; {cure}")
 }

@@ -117,8 +117,8 @@ pub fn within(estimate: &Result<Estimate, String>, allowed: u64) -> Result<Cost,
     if cost.memory <= allowed {
         return Ok(*cost);
     }
-    let source = Box::new(volmap_bake::Error::Memory { needed: cost.memory, allowed });
-    Err(volmap_bake::Error::Sized { about: length.clone(), source }.to_string())
+    let reason = Box::new(volmap_bake::Error::Memory { needed: cost.memory, allowed });
+    Err(volmap_bake::Error::Sized { about: length.clone(), reason }.to_string())
 }
 
 /// The mesh of an asset, and how it becomes one.

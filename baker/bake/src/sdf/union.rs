@@ -36,6 +36,8 @@ const OFFSET: f64 = 1e-9;
 const LAST_DIGITS: [f64; 2] = [4.0, 16.0];
 /// Triangles of a patch that are asked before all of them are.
 const SAMPLES: usize = 4;
+/// How far from a corner to the middle of a piece the corner's winding number is asked.
+const PULLED_IN: f64 = 0.02;
 /// Winding number that shows the solid beyond doubt where holes make it no integer.
 const SURELY_INSIDE: f64 = 0.75;
 
@@ -150,7 +152,8 @@ impl Arrangement<'_> {
 
     /// What is hidden of triangles that hang together: whole ones all or none, unless samples show otherwise.
     fn hidden_of(&self, patch: &[u32], contacts: &Contacts) -> Vec<Hidden> {
-        if patch.len() > SAMPLES {
+        // Only integers are the same all over a patch.
+        if self.balanced && patch.len() > SAMPLES {
             let sample = |k: usize| patch[k * (patch.len() - 1) / (SAMPLES - 1)];
             let is_hidden = |k: usize| self.split(sample(k), contacts).iter().all(|piece| piece.hidden);
             let first = is_hidden(0);
@@ -189,18 +192,23 @@ impl Arrangement<'_> {
             |p: DVec3| covers.iter().any(|lines| lines.iter().all(|(q, inward)| inward.dot(p - *q) > 0.0));
         let piece = |polygon: Vec<DVec3>| {
             let place = middle(&polygon);
-            Piece { hidden: is_covered(place) || self.is_hidden(place, offset), polygon }
+            Piece { hidden: is_covered(place) || self.is_hidden(&polygon, offset), polygon }
         };
         polygons.into_iter().map(piece).collect()
     }
 
-    /// Whether the solid is on both sides.
-    fn is_hidden(&self, place: DVec3, offset: DVec3) -> bool {
+    /// Whether the solid is on both sides of a piece: in its middle, and where winding numbers are no integers near all
+    /// of its corners, too.
+    fn is_hidden(&self, polygon: &[DVec3], offset: DVec3) -> bool {
         let inside = |p: DVec3| match self.balanced {
             true => self.winding.inside(self.bvh, p, true),
             false => self.winding.fast(self.bvh, p, BETA) > SURELY_INSIDE,
         };
-        offset != DVec3::ZERO && inside(place + offset) && inside(place - offset)
+        let is_within = |p: DVec3| inside(p + offset) && inside(p - offset);
+        let place = middle(polygon);
+        offset != DVec3::ZERO
+            && is_within(place)
+            && (self.balanced || polygon.iter().all(|corner| is_within(corner.lerp(place, PULLED_IN))))
     }
 }
 

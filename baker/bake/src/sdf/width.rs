@@ -11,7 +11,9 @@ const ENOUGH: f64 = 1e-3;
 const STEPS: usize = 30;
 /// Cosine of the largest angle between the normal and the way to the other side, and between the two normals: beyond
 /// it, it is no other side but the surface itself going on around an edge.
-const FACING: f64 = 0.5;
+const FACING: f64 = 0.8;
+/// Balls that shrink to less than this part of the reach lie in an edge.
+const NOTHING: f64 = 1e-6;
 
 /// Diameter, metres, of the largest ball that touches the surface at `p` from the side of `n`, a normal there, and holds
 /// nothing of it, if it is below `reach`.
@@ -36,5 +38,5 @@ pub fn touching_ball(mesh: &MeshDistance, p: DVec3, n: DVec3, reach: f64) -> Opt
         }
         radius = smaller;
     }
-    Some(2.0 * radius)
+    (2.0 * radius > NOTHING * reach).then_some(2.0 * radius)
 }

@@ -73,6 +73,10 @@ fn edges_and_round_bodies_are_not_thin() {
         let cube = baked(&turned(cuboid(DVec3::ZERO, DVec3::splat(0.7)), degrees), 0.05, |_| {});
         assert_eq!((cube.thin.walls.count, cube.thin.gaps.count), (0, 0), "{degrees}");
     }
+    // A corner of a cube: edges of 55 degrees and more.
+    let vertices = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let corner = TriangleMesh { vertices, triangles: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]] };
+    assert_eq!(baked(&corner, 0.05, |_| {}).thin.walls.count, 0);
     let ball = baked(&icosphere(3), 0.1, |_| {});
     assert_eq!((ball.thin.walls.count, ball.thin.gaps.count), (0, 0));
 }

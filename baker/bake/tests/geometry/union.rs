@@ -235,3 +235,20 @@ fn a_large_mesh_with_a_small_overlap_has_the_distance_of_its_union() {
         }
     }
 }
+
+/// An open cup, a pole that stands in it and far out of it, and a bar through the cup's wall: the pole's triangles are in
+/// the cup in part only.
+#[test]
+fn what_stands_out_of_an_open_mesh_is_kept() {
+    let mut cup = cuboid(DVec3::splat(-1.0), DVec3::splat(1.0));
+    cup.triangles.retain(|t| !t.iter().all(|&v| cup.vertices[v as usize][2] == 1.0));
+    let pole = cuboid(DVec3::new(-0.1, -0.1, -0.5), DVec3::new(0.1, 0.1, 3.0));
+    let bar = cuboid(DVec3::new(0.9, -0.05, -0.05), DVec3::new(1.2, 0.05, 0.05));
+    let mesh = merged(&[cup, pole.clone(), bar]);
+    let distance = MeshDistance::new(&mesh, SignMethod::Auto, &diagnose(&mesh));
+    assert!(!distance.overlaps().certain && distance.overlaps().pairs > 0);
+    let alone = distance_to(&pole);
+    for p in [DVec3::new(0.2, 0.0, 2.9), DVec3::new(0.0, 0.0, 2.8), DVec3::new(0.0, -0.3, 2.0)] {
+        assert!((distance.signed_distance(p) - alone.signed_distance(p)).abs() < 1e-12, "{p}");
+    }
+}

@@ -392,7 +392,7 @@ fn cannot_bake(path: &Path, error: volmap_bake::Error) -> Error {
             needed >> 20,
             allowed >> 20
         ),
-        volmap_bake::Error::Sized { about, source } => match cannot_bake(path, *source) {
+        volmap_bake::Error::Sized { about, reason } => match cannot_bake(path, *reason) {
             Error::Scene { place, reason } => {
                 return Error::Scene { place, reason: format!("{about}: {reason}") };
             }
