@@ -53,7 +53,7 @@ def tank_conditions():
 
 def begin():
     base = sph.Exec.SimulatorBase()
-    base.init(sceneFile=sys.argv[1], useGui=False, initialPause=False, useCache=False, outputDir=sys.argv[2], stopAt=1e9)
+    base.init(sceneFile=sys.argv[1], useGui=False, initialPause=False, useCache=True, outputDir=sys.argv[2], stopAt=1e9)
     base.initSimulation()
     return base
 """
