@@ -93,10 +93,13 @@ def show(results):
         times = {key: peer[key] / median[key] for key in ("step", "cpu")}
         per = {key: ratio * iterations / (peer["density"] + peer["divergence"]) for key, ratio in times.items()}
         steps = [run["step"] for run in results[who]]
+        span = median["seconds"] / peer["seconds"]
         print(f"{who:8} {median['step']:7.1f} ms a step ({min(steps):.1f} to {max(steps):.1f}), "
-              f"{median['density']:.2f} + {median['divergence']:.2f} iterations, {median['seconds']:.2f} s simulated, "
-              f"{times['step']:.2f} x the peer's steps, {per['step']:.2f} x for each iteration; "
-              f"processor time {median['cpu']:.1f} ms a step, {times['cpu']:.2f} x, {per['cpu']:.2f} x for each iteration")
+              f"{median['density']:.2f} + {median['divergence']:.2f} iterations, {median['seconds']:.3f} s simulated; "
+              f"processor time {median['cpu']:.1f} ms a step")
+        for key, what in (("step", "wall clock"), ("cpu", "processor time")):
+            print(f"         by {what}: {times[key]:.2f} x the peer's steps, {per[key]:.2f} x for each iteration, "
+                  f"{times[key] * span:.2f} x for a simulated second")
         print("        ", ", ".join(f"{key[:-3]} {value:.2f}" for key, value in median.items() if key.endswith("_ms")))
 
 
