@@ -1,4 +1,5 @@
-//! Interop, simulations: VTK and meshio read the particles that were written, and splashsurf makes a surface of them.
+//! Interop, simulations: VTK and meshio read the particles that were written, and splashsurf makes a surface of them;
+//! the solver's benches compare like with like.
 
 use std::path::Path;
 use volmap_runtime::DVec3;
@@ -23,6 +24,13 @@ fn other_programs_read_the_particles() {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("interop/check_simulation.py");
     let mut command = std::process::Command::new(python());
     print!("{}", run(command.arg(&script).arg(folder.path())));
+}
+
+#[test]
+fn benches_end_where_the_peer_has_other_particles_or_settings() {
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("interop/check_bench.py");
+    let output = run(std::process::Command::new(python()).arg(&script));
+    assert!(output.contains("particle_mass: [0.1, 0.1] instead of [0.125, 0.125]"), "{output}");
 }
 
 /// A frame in all formats, and the collection of it. The script knows the rules that the values follow.

@@ -19,6 +19,8 @@ import tempfile
 
 import numpy as np
 
+import splishsplash
+
 RP, R = 0.025, 0.1
 METHODS = {"tube map": 3, "density map": 1}
 
@@ -57,8 +59,8 @@ def after_step():
 base.setTimeStepCB(after_step)
 base.runSimulation()
 places = [[float(c) for c in model.getPosition(i)] for i in range(model.numActiveParticles())]
-rms = (sum(speeds()) / len(places)) ** 0.5
-print("RESULT", json.dumps({"places": places, "fastest": fastest[0], "rms": rms}), flush=True)
+rms, mass = (sum(speeds()) / len(places)) ** 0.5, model.getMass(0)
+print("RESULT", json.dumps({"places": places, "fastest": fastest[0], "rms": rms, "mass": mass}), flush=True)
 """
 
 
@@ -207,6 +209,8 @@ def pour(args, folder, method, thickness):
     low, high = [-half, 0.2 - radius, -depth], [-plate, 0.6 + radius, depth]
     found = peer(args, folder, POUR, scene(METHODS[method], radius, bodies, low, high, -9.81, cflMethod=1, cflFactor=1,
                                            cflMaxTimeStepSize=0.002, timeStepSize=0.001))
+    if not splishsplash.same(found["mass"], 1000 * (2 * radius) ** 3):
+        raise SystemExit(f"the peer's particles have {found['mass']:g} kg instead of {1000 * (2 * radius) ** 3:g}, as ours")
     places = np.array(found["places"])
     finite = np.isfinite(places).all(axis=1)
     inner = (np.abs(places[:, 0]) < half + radius) & (np.abs(places[:, 2]) < depth + radius) & (places[:, 1] > -radius)

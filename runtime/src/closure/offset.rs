@@ -5,8 +5,8 @@
 use super::model::{BoundaryDensity, Model, Particle, Setup};
 use std::sync::Arc;
 
-/// The factor on V: its particles have 0.8 (2 rp)^3 instead of the cube's volume, and so its boundaries have less as
-/// well.
+/// The factor on V: in those versions particles had 0.8 (2 rp)^3 instead of the cube's volume, and so boundaries had
+/// less as well. Since 2.19 both have all of it.
 const FACTOR: f64 = 0.8;
 
 #[derive(Debug)]

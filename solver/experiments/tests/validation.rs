@@ -18,14 +18,14 @@ fn between(outcome: &Outcome, case: &str, quantity: &str, [least, most]: [f64; 2
 #[test]
 fn water_at_rest_lies_in_layers_under_its_own_weight() {
     let outcome = short("hydrostatic");
-    let is = |quantity, bounds| between(&outcome, "mirror, 0.8", quantity, bounds);
+    let is = |quantity, bounds| between(&outcome, "mirror, block", quantity, bounds);
     is("particles", [2890.0; 2]);
     is("lost", [0.0; 2]);
     // When the block falls on the floor.
     is("found in the wall", [0.0, 10.0]);
     is("first layer above the floor", [0.9, 1.1]);
     is("first layer at the walls", [0.9, 1.1]);
-    is("height of the water", [0.95 * 0.289, 1.05 * 0.289]);
+    is("height of the water", [0.95 * 0.361, 1.05 * 0.361]);
     is("rms speed", [0.0, 0.012]);
     is("drift of the centre of mass", [0.0, 0.1]);
     is("pressure in the middle, error", [-3.0, 3.0]);

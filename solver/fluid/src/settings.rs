@@ -127,7 +127,7 @@ pub struct FluidSettings {
     pub viscosity_method: ViscosityMethod,
     /// XSPH velocity smoothing, parts of the velocity difference (0: off).
     pub xsph: f64,
-    /// Volume of a particle in parts of its cube (2 rp)^3; SPlisHSPlasH: 0.8.
+    /// Volume of a particle in parts of its cube (2 rp)^3; SPlisHSPlasH: 1, up to 2.17 0.8.
     pub volume_factor: f64,
 }
 
