@@ -19,7 +19,7 @@ benches, sim = ROOT / "solver/benches", ROOT / "target/release/volmap-sim"
 subprocess.run(["cargo", "build", "--release", "-p", "volmap-solver"], cwd=ROOT, check=True)
 with tempfile.TemporaryDirectory() as folder:
     for title, command in [
-        ("Against SPlisHSPlasH", [sys.executable, benches / "compare_splishsplash.py", "--python", args.python]),
+        ("Against SPlisHSPlasH", [sys.executable, benches / "compare_splishsplash.py", "--python", args.python, "--threads", "1"]),
         ("Table 1 of Bender et al. 2020", [sim, "reproduce", "table1", "-o", folder]),
         ("How it scales", [sys.executable, benches / "scaling.py", "--steps", "12"]),
         ("Pictures and files", ["cargo", "bench", "-p", "volmap-scenes", "--bench", "output"]),
