@@ -89,59 +89,68 @@ fn measure(point: DVec3, phi: &BoundaryDistance, cell: f64) -> Option<Measured> 
 /// Nodes at folds of the distance that are no deeper than half a cell.
 fn folds(grid: &Grid, nodes: &Nodes, distances: &[f64]) -> Vec<DVec3> {
     let mut found = Vec::new();
-    let depth = 0.5 * grid.cell_size.max_element();
     for (family, axis) in [(Family::EdgeX, 0), (Family::EdgeY, 1), (Family::EdgeZ, 2)] {
-        let edges = edges(nodes, family, axis);
-        let steep = SLOPE * grid.cell_size[axis] / 3.0;
-        for edge in edges.iter().flatten() {
-            let next = edges[edge.upper as usize].as_ref();
-            let line = [edge.lower, edge.third, edge.third + 1, edge.upper];
-            let further = next.map(|next| [next.third, next.third + 1]);
-            let value = |at: usize| {
-                let number = if at < 4 { line[at] } else { further.map_or(line[3], |next| next[at - 4]) };
-                distances[number as usize]
-            };
-            // Each fold once: between nodes 1 and 2, 2 and 3, or 3 and 4 of the line.
-            for first in 0..if further.is_some() { 3 } else { 1 } {
-                let [a, b, c, d] = [0, 1, 2, 3].map(|i| value(first + i));
-                let (rise, fall) = (b - a, d - c);
-                let is_fold = rise * fall < 0.0 && rise.abs() >= steep && fall.abs() >= steep;
-                if is_fold && b.abs().min(c.abs()) <= depth {
-                    let at = first + if b.abs() <= c.abs() { 1 } else { 2 };
-                    let mut place = grid.origin + edge.corner * grid.cell_size;
-                    place[axis] += at as f64 / 3.0 * grid.cell_size[axis];
-                    found.push(place);
-                    break;
-                }
-            }
-        }
+        // By the lower end of each edge, the first of its two inner nodes.
+        let mut thirds = vec![NONE; nodes.count_of(Family::Corner)];
+        for_each_edge(nodes, family, axis, |edge| thirds[edge.lower as usize] = edge.third);
+        let line = Line { grid, axis, distances };
+        for_each_edge(nodes, family, axis, |edge| {
+            found.extend(line.fold(&edge, thirds[edge.upper as usize]))
+        });
     }
     found
 }
 
+/// No node.
+const NONE: u32 = u32::MAX;
+
+/// Lines of nodes along an axis.
+struct Line<'a> {
+    grid: &'a Grid,
+    axis: usize,
+    distances: &'a [f64],
+}
+
+impl Line<'_> {
+    /// The node at a fold that begins in an edge, after which the inner nodes from `next` on follow, if there are any.
+    /// Each fold once: between nodes 1 and 2, 2 and 3, or 3 and 4 of the line.
+    fn fold(&self, edge: &Edge, next: u32) -> Option<DVec3> {
+        let cell = self.grid.cell_size;
+        let (steep, depth) = (SLOPE * cell[self.axis] / 3.0, 0.5 * cell.max_element());
+        let (count, after) = if next == NONE { (1, [edge.upper; 2]) } else { (3, [next, next + 1]) };
+        let line = [edge.lower, edge.third, edge.third + 1, edge.upper, after[0], after[1]];
+        let values = line.map(|number| self.distances[number as usize]);
+        let first = values.windows(4).take(count).position(|values| {
+            let (rise, fall) = (values[1] - values[0], values[3] - values[2]);
+            let is_fold = rise * fall < 0.0 && rise.abs() >= steep && fall.abs() >= steep;
+            is_fold && values[1].abs().min(values[2].abs()) <= depth
+        })?;
+        let at = first + if values[first + 1].abs() <= values[first + 2].abs() { 1 } else { 2 };
+        let mut place = self.grid.origin + DVec3::from(edge.corner.map(f64::from)) * cell;
+        place[self.axis] += at as f64 / 3.0 * cell[self.axis];
+        Some(place)
+    }
+}
+
 /// A cell's edge by its nodes.
-#[derive(Clone, Copy)]
 struct Edge {
     /// Lattice point of its lower end.
-    corner: DVec3,
+    corner: [u32; 3],
     lower: u32,
     /// The first of its two inner nodes.
     third: u32,
     upper: u32,
 }
 
-/// Edges along an axis by their lower end.
-fn edges(nodes: &Nodes, family: Family, axis: usize) -> Vec<Option<Edge>> {
-    let mut edges = vec![None; nodes.count_of(Family::Corner)];
+/// All edges along an axis.
+fn for_each_edge(nodes: &Nodes, family: Family, axis: usize, mut call: impl FnMut(Edge)) {
     let step = [(1, 0, 0), (0, 1, 0), (0, 0, 1)][axis];
     for (j, k, interval) in nodes.intervals(family) {
         let lower = nodes.number(Family::Corner, interval.first, j, k);
         let upper = nodes.number(Family::Corner, interval.first + step.0, j + step.1, k + step.2);
         for i in 0..interval.end - interval.first {
-            let corner = DVec3::new(f64::from(interval.first + i), f64::from(j), f64::from(k));
             let third = interval.start + 2 * i;
-            edges[(lower + i) as usize] = Some(Edge { corner, lower: lower + i, third, upper: upper + i });
+            call(Edge { corner: [interval.first + i, j, k], lower: lower + i, third, upper: upper + i });
         }
     }
-    edges
 }
