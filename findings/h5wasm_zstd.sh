@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # h5wasm answers a read that failed with an array: the right type and length, and numbers of another dataset.
 #
-# Packages: h5wasm 0.10.3 (npm); h5py 3.16.0, hdf5plugin 7.1.0 and numpy 2.2.6 (PyPI) write the file. Needs node.
+# Packages: h5wasm 0.10.3, for node; h5py 3.16.0, hdf5plugin 7.1.0 and numpy 2.2.6, for Python, write the file. Needs node.
 #
 # Behaviour: h5wasm, HDF5 for browsers and node, has no Zstandard (filter 32015) unless the package h5wasm-plugins is
 # added, as its manual says. Without it, `dataset.value` doesn't throw. libhdf5's complaint goes to the console, and the

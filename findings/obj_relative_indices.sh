@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Two widely used mesh readers take the relative indices of OBJ for other corners, each in its own way, in silence.
 #
-# Packages: trimesh 5.2.0 and meshio 5.3.5 (PyPI), with numpy 2.2.6.
+# Packages: trimesh 5.2.0 and meshio 5.3.5, with numpy 2.2.6.
 #
 # Behaviour: in a face of a Wavefront OBJ, a negative index counts back from the last vertex BEFORE the face: -1 is that
 # one. So parts with such indices can be joined by `cat`, and programs that write triangle by triangle need no counter.

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # pymeshlab doesn't read its own OFF files: normals come back as colours and colours as normals.
 #
-# Package: pymeshlab 2025.7.post1 (PyPI), with numpy 2.2.6. It needs the system's libGL, as VTK does.
+# Package: pymeshlab 2025.7.post1, with numpy 2.2.6. It needs the system's libGL, as VTK does.
 #
 # Behaviour: `save_current_mesh("x.off")` of a mesh or of points made from arrays writes colours that nobody gave it
 # (white) as well as normals, under the header `NCOFF`, each vertex as "x y z  r g b a  nx ny nz". Geomview's manual,

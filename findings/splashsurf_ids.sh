@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # splashsurf blends labels: where water touches oil, the surface gets the number of a third fluid.
 #
-# Packages: pysplashsurf 0.14.1.0 (PyPI; the program splashsurf 0.14), meshio 5.3.5 for the files, numpy 2.2.6.
+# Packages: pysplashsurf 0.14.1.0 (the program splashsurf 0.14), meshio 5.3.5 for the files, numpy 2.2.6.
 #
 # Behaviour: `-a NAME` carries an attribute of the particles over to the mesh, as an SPH average in single precision.
 # That is what one wants of a velocity. But it does so with integers too, whose type says that they are counts or
