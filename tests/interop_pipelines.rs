@@ -18,6 +18,7 @@ const MANIFEST: &str = r#"
 version = 1
 [defaults]
 bake = { support_radius = 0.2 }
+gates = { must_have_solid = false, max_sign_disagreements = 0.1 }
 error_points = 20
 [[assets]]
 mesh = "the meshes/*"

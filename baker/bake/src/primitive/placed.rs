@@ -31,7 +31,7 @@ impl PlacedPrimitive {
         let [x, y, z] = [affine.x_axis, affine.y_axis, affine.z_axis].map(DVec3::from);
         let scale = DVec3::new(x.length(), y.length(), z.length());
         let turn = DMat3::from_cols(x / scale.x, y / scale.y, z / scale.z);
-        let centre = DVec3::from(affine.translation);
+        let centre = affine.translation;
         let shape = scaled(shape, scale, turn)?;
         shape.check().map_err(|reason| Error::setting("scale", format!("makes {reason}")))?;
         let turn = if shape.is_unbounded() { DMat3::IDENTITY } else { turn };

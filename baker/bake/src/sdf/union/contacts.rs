@@ -38,7 +38,7 @@ impl Contacts {
         let found: Vec<Found> = (0..bvh.blocks.len() as u32)
             .into_par_iter()
             .with_min_len(64)
-            .map(|block| search.from_block(block))
+            .map(|block| search.around_block(block))
             .filter(|found| !found.met.is_empty())
             .collect();
         let mut contacts =
@@ -91,7 +91,7 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    fn from_block(&self, block: u32) -> Found {
+    fn around_block(&self, block: u32) -> Found {
         let mut found = Found::default();
         let leaf = &self.leaves[block as usize];
         self.between(block, block, &mut found);

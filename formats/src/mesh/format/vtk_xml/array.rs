@@ -60,9 +60,9 @@ impl Compressor {
         let limit = size as u64 + 1;
         let read = match self {
             Compressor::Zlib => ZlibDecoder::new(block).take(limit).read_to_end(out).is_ok(),
-            Compressor::Lzma => match XzReader::new_mem_limit(block, false, LZMA_KIB) {
-                reader => reader.take(limit).read_to_end(out).is_ok(),
-            },
+            Compressor::Lzma => {
+                XzReader::new_mem_limit(block, false, LZMA_KIB).take(limit).read_to_end(out).is_ok()
+            }
             Compressor::Lz4 => {
                 out.resize(before + size, 0);
                 lz4_flex::block::decompress_into(block, &mut out[before..]).is_ok_and(|found| found == size)
