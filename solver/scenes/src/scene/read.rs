@@ -15,7 +15,7 @@ const SCENES: Kind = Kind {
 };
 
 /// Reads and checks a scene. Its paths become relative to the working folder, or absolute if `path` is. What it
-/// leaves open is [adapted](defaults) to what it gives.
+/// leaves open is adapted to what it gives.
 ///
 /// # Errors
 /// A file that can't be read; an unknown key, a wrong type, a value out of range, each with line and column.
