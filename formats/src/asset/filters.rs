@@ -4,6 +4,9 @@
 //! Shuffle and Fletcher-32 are ours for reading, too: the plain loops of the HDF5 crate would take most of the time
 //! of opening an asset. Here they are written so that the compiler makes vector code of them.
 
+#[cfg(feature = "write")]
+use rayon::prelude::*;
+
 /// Groups the bytes of the elements by significance: all first bytes, then all second ones.
 #[cfg(feature = "write")]
 pub fn shuffle(bytes: &[u8], element_size: usize) -> Vec<u8> {
@@ -73,12 +76,17 @@ pub fn zstd(bytes: &[u8], level: i32) -> std::io::Result<Vec<u8>> {
 pub fn deflate(bytes: &[u8], level: u32, element_size: usize) -> std::io::Result<Vec<u8>> {
     // A window of 32 KiB, "fast", and what makes the two bytes a multiple of 31.
     let mut out = vec![0x78, 0x5E];
-    for group in bytes.chunks((bytes.len() / element_size).max(1)) {
+    let packed = |group: &[u8]| {
+        let mut packed = Vec::new();
         match is_noise(group) {
-            true => store(group, &mut out),
-            false => compress(group, level, &mut out)?,
+            true => store(group, &mut packed),
+            false => compress(group, level, &mut packed)?,
         }
-    }
+        Ok(packed)
+    };
+    let groups: Vec<&[u8]> = bytes.chunks((bytes.len() / element_size).max(1)).collect();
+    let packed: std::io::Result<Vec<Vec<u8>>> = groups.into_par_iter().map(packed).collect();
+    packed?.iter().for_each(|group| out.extend(group));
     // The last block, an empty one (RFC 1951, section 3.2.6), and the checksum.
     out.extend([3, 0]);
     out.extend(zlib_rs::adler32::adler32(1, bytes).to_be_bytes());

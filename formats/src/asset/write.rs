@@ -197,7 +197,10 @@ fn chunk_rows(dataset: &Dataset) -> usize {
 }
 
 fn all_chunks(tree: &Tree, compression: Compression) -> std::io::Result<Chunks<'_>> {
-    tree.datasets.iter().map(|(path, dataset)| Ok((path.as_str(), chunks(dataset, compression)?))).collect()
+    let datasets: Vec<_> = tree.datasets.iter().collect();
+    let filtered =
+        datasets.into_par_iter().map(|(path, dataset)| Ok((path.as_str(), chunks(dataset, compression)?)));
+    filtered.collect()
 }
 
 /// The filtered chunks of a dataset; none if it has no rows.
