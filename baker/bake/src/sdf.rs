@@ -14,6 +14,7 @@ pub mod brute_force;
 pub mod bvh;
 mod bvh_build;
 mod bvh_query;
+mod cell_edges;
 pub mod closest_point;
 mod coarse_block;
 pub mod field;

@@ -17,7 +17,7 @@ use crate::sdf::frame::Frame;
 use crate::sdf::oriented_box::OrientedBox;
 
 const BINS: usize = 16;
-const LEAF_SIZE: usize = 4;
+pub(crate) const LEAF_SIZE: usize = 4;
 /// Parts with more triangles than this are built in parallel.
 const PARALLEL_SIZE: usize = 1 << 14;
 /// From this level on parts are halved, which bounds the depth: 20 + log4(2^32) < MAX_DEPTH.

@@ -5,6 +5,7 @@ use std::sync::OnceLock;
 use volmap_formats::mesh::TriangleMesh;
 
 use crate::mesh::diagnosis::Diagnosis;
+use crate::mesh::parts::corners;
 use crate::mesh::topology::Topology;
 use crate::sdf::bvh::Bvh;
 use crate::sdf::closest_point::Closest;
@@ -134,8 +135,7 @@ impl MeshDistance {
 
     /// Normal of a triangle as its corners run; zero if it has no area.
     pub fn normal(&self, triangle: u32) -> DVec3 {
-        let [a, b, c] =
-            self.mesh.triangles[triangle as usize].map(|v| DVec3::from(self.mesh.vertices[v as usize]));
+        let [a, b, c] = corners(&self.mesh, triangle as usize);
         (b - a).cross(c - a).normalize_or_zero()
     }
 
@@ -265,8 +265,7 @@ impl MeshDistance {
 }
 
 fn corners_of(mesh: &TriangleMesh) -> Vec<[DVec3; 3]> {
-    let corner = |v: u32| DVec3::from(mesh.vertices[v as usize]);
-    mesh.triangles.iter().map(|triangle| triangle.map(corner)).collect()
+    (0..mesh.triangles.len()).map(|triangle| corners(mesh, triangle)).collect()
 }
 
 /// The mesh is no further than the point of it that is closest to a neighbour.

@@ -6,12 +6,13 @@
 //! fluid, of the solid, and of the few that lie alone near the surface.
 
 use super::boundary_distance::SignedDistance;
+use super::cell_edges::{FAMILIES, for_each_edge};
 use crate::mesh::topology::DisjointSets;
 use crate::rows::positions;
 use glam::DVec3;
 use rayon::prelude::*;
 use volmap_runtime::Grid;
-use volmap_runtime::layout::{Family, Nodes};
+use volmap_runtime::layout::Nodes;
 
 /// Gives the distances at the nodes, 0 or more, their signs.
 pub fn set_signs(grid: &Grid, nodes: &Nodes, distances: &mut [f64], phi: &impl SignedDistance) {
@@ -40,7 +41,7 @@ pub fn set_signs(grid: &Grid, nodes: &Nodes, distances: &mut [f64], phi: &impl S
 fn connected(grid: &Grid, nodes: &Nodes, distances: &[f64]) -> DisjointSets {
     let mut sets = DisjointSets::new(distances.len());
     let farthest = grid.origin.abs().max(grid.max_corner().abs());
-    for (family, axis) in [(Family::EdgeX, 0), (Family::EdgeY, 1), (Family::EdgeZ, 2)] {
+    for (family, axis) in FAMILIES {
         // As far as the rounded places of two neighbours can be from each other.
         let way = grid.cell_size[axis] / 3.0 * (1.0 + 1e-9) + 8.0 * f64::EPSILON * farthest[axis];
         let mut join = |a: u32, b: u32| {
@@ -48,17 +49,11 @@ fn connected(grid: &Grid, nodes: &Nodes, distances: &[f64]) -> DisjointSets {
                 sets.union(a, b);
             }
         };
-        for (j, k, interval) in nodes.intervals(family) {
-            let step = [(1, 0, 0), (0, 1, 0), (0, 0, 1)][axis];
-            let lower = nodes.number(Family::Corner, interval.first, j, k);
-            let upper = nodes.number(Family::Corner, interval.first + step.0, j + step.1, k + step.2);
-            for i in 0..interval.end - interval.first {
-                let third = interval.start + 2 * i;
-                join(lower + i, third);
-                join(third, third + 1);
-                join(third + 1, upper + i);
-            }
-        }
+        for_each_edge(nodes, family, axis, |edge| {
+            join(edge.lower, edge.third);
+            join(edge.third, edge.third + 1);
+            join(edge.third + 1, edge.upper);
+        });
     }
     sets
 }

@@ -9,6 +9,7 @@ use volmap_runtime::Grid;
 use volmap_runtime::layout::{Family, Nodes};
 
 use super::boundary_distance::BoundaryDistance;
+use super::cell_edges::{CellEdge, FAMILIES, for_each_edge};
 use super::closest_point::Feature;
 use super::width::touching_ball;
 
@@ -89,7 +90,7 @@ fn measure(point: DVec3, phi: &BoundaryDistance, cell: f64) -> Option<Measured> 
 /// Nodes at folds of the distance that are no deeper than half a cell.
 fn folds(grid: &Grid, nodes: &Nodes, distances: &[f64]) -> Vec<DVec3> {
     let mut found = Vec::new();
-    for (family, axis) in [(Family::EdgeX, 0), (Family::EdgeY, 1), (Family::EdgeZ, 2)] {
+    for (family, axis) in FAMILIES {
         // By the lower end of each edge, the first of its two inner nodes.
         let mut thirds = vec![NONE; nodes.count_of(Family::Corner)];
         for_each_edge(nodes, family, axis, |edge| thirds[edge.lower as usize] = edge.third);
@@ -114,7 +115,7 @@ struct Line<'a> {
 impl Line<'_> {
     /// The node at a fold that begins in an edge, after which the inner nodes from `next` on follow, if there are any.
     /// Each fold once: between nodes 1 and 2, 2 and 3, or 3 and 4 of the line.
-    fn fold(&self, edge: &Edge, next: u32) -> Option<DVec3> {
+    fn fold(&self, edge: &CellEdge, next: u32) -> Option<DVec3> {
         let cell = self.grid.cell_size;
         let (steep, depth) = (SLOPE * cell[self.axis] / 3.0, 0.5 * cell.max_element());
         let (count, after) = if next == NONE { (1, [edge.upper; 2]) } else { (3, [next, next + 1]) };
@@ -129,28 +130,5 @@ impl Line<'_> {
         let mut place = self.grid.origin + DVec3::from(edge.corner.map(f64::from)) * cell;
         place[self.axis] += at as f64 / 3.0 * cell[self.axis];
         Some(place)
-    }
-}
-
-/// A cell's edge by its nodes.
-struct Edge {
-    /// Lattice point of its lower end.
-    corner: [u32; 3],
-    lower: u32,
-    /// The first of its two inner nodes.
-    third: u32,
-    upper: u32,
-}
-
-/// All edges along an axis.
-fn for_each_edge(nodes: &Nodes, family: Family, axis: usize, mut call: impl FnMut(Edge)) {
-    let step = [(1, 0, 0), (0, 1, 0), (0, 0, 1)][axis];
-    for (j, k, interval) in nodes.intervals(family) {
-        let lower = nodes.number(Family::Corner, interval.first, j, k);
-        let upper = nodes.number(Family::Corner, interval.first + step.0, j + step.1, k + step.2);
-        for i in 0..interval.end - interval.first {
-            let third = interval.start + 2 * i;
-            call(Edge { corner: [interval.first + i, j, k], lower: lower + i, third, upper: upper + i });
-        }
     }
 }

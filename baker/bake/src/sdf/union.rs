@@ -71,20 +71,20 @@ impl UnionSurface {
         &'a self,
         corners: &'a [[DVec3; 3]],
     ) -> impl Iterator<Item = ([DVec3; 3], u32)> + 'a {
-        let mut replaced = self.replaced.iter().map(|(triangle, _)| *triangle).peekable();
-        let kept = corners.iter().zip(0..).filter(move |(_, id)| replaced.next_if_eq(id).is_none());
         let pieces = self.replaced.iter().flat_map(|(id, left)| left.iter().map(|piece| (*piece, *id)));
-        kept.map(|(corners, id)| (*corners, id)).chain(pieces)
+        self.kept(corners.len()).map(|id| (corners[id as usize], id)).chain(pieces)
+    }
+
+    /// Numbers of the triangles, of so many, that are the surface as they are.
+    fn kept(&self, count: usize) -> impl Iterator<Item = u32> + '_ {
+        let mut replaced = self.replaced.iter().map(|(triangle, _)| *triangle).peekable();
+        (0..count as u32).filter(move |id| replaced.next_if_eq(id).is_none())
     }
 
     /// The surface as a mesh: the vertices of `mesh`, and three for each piece.
     pub fn mesh(&self, mesh: &TriangleMesh) -> TriangleMesh {
-        let mut replaced = self.replaced.iter().map(|(triangle, _)| *triangle).peekable();
-        let kept = mesh.triangles.iter().zip(0..).filter(|(_, id)| replaced.next_if_eq(id).is_none());
-        let mut out = TriangleMesh {
-            triangles: kept.map(|(corners, _)| *corners).collect(),
-            vertices: mesh.vertices.clone(),
-        };
+        let kept = self.kept(mesh.triangles.len()).map(|id| mesh.triangles[id as usize]);
+        let mut out = TriangleMesh { triangles: kept.collect(), vertices: mesh.vertices.clone() };
         for piece in self.replaced.iter().flat_map(|(_, left)| left) {
             let first = out.vertices.len() as u32;
             out.vertices.extend(piece.map(|corner| corner.to_array()));

@@ -287,15 +287,16 @@ impl<'a> Library<'a> {
         let cached = self.cache.join(format!("{stem}-{}.h5", &key[..24]));
         let opened = cached.is_file().then(|| asset::read(&cached).ok()).flatten();
         let opened = opened.and_then(|asset| Some((VolumeMap::from_asset(&asset).ok()?, asset)));
-        let (map, origin) = match opened {
-            Some((map, asset)) => {
-                self.note_warnings(path, &asset);
-                (map, Origin::Cache)
-            }
+        let ((map, asset), origin) = match opened {
+            Some(opened) => (opened, Origin::Cache),
             None => (self.baked(path, &cached, input.clone(), &recipe)?, Origin::Baked),
         };
-        let prepared = prepare(&mut input.mesh, recipe.bake.keep_orientation);
-        let union = MeshDistance::new(&input.mesh, SignMethod::Auto, &prepared.diagnosis).union_mesh();
+        self.note_warnings(path, &asset);
+        let diagnosis = prepare(&mut input.mesh, recipe.bake.keep_orientation).diagnosis;
+        // The bake has found whether there are any: looking for them takes as long as building the tree.
+        let union = has_hidden_triangles(&asset)
+            .then(|| MeshDistance::new(&input.mesh, SignMethod::Auto, &diagnosis).union_mesh())
+            .flatten();
         let primitive = input.placed_shape;
         let mesh = Arc::new(input.mesh);
         let surface = union.map_or(mesh.clone(), Arc::new);
@@ -310,19 +311,18 @@ impl<'a> Library<'a> {
         cached: &Path,
         input: Input,
         recipe: &Recipe,
-    ) -> Result<VolumeMap, Error> {
+    ) -> Result<(VolumeMap, Asset), Error> {
         self.watch.check()?;
         (self.on_bake)(path);
-        let baked = bake(input, &recipe.bake, self.watch).map_err(|error| cannot_bake(path, error))?;
-        self.note_warnings(path, &baked.asset);
+        let asset = bake(input, &recipe.bake, self.watch).map_err(|error| cannot_bake(path, error))?.asset;
         let kept = std::fs::create_dir_all(&self.cache).map_err(|error| error.to_string());
         let kept = kept.and_then(|()| {
-            asset::write(cached, &baked.asset, recipe.compression).map_err(|error| error.to_string())
+            asset::write(cached, &asset, recipe.compression).map_err(|error| error.to_string())
         });
         if let Err(error) = kept {
             self.notes.push(format!("{}: the map is not kept in the cache: {error}", path.display()));
         }
-        Ok(VolumeMap::from_asset(&baked.asset)?)
+        Ok((VolumeMap::from_asset(&asset)?, asset))
     }
 
     fn open_asset(&mut self, path: &Path) -> Result<Shape, Error> {
@@ -373,6 +373,11 @@ impl<'a> Library<'a> {
         }
         recipe
     }
+}
+
+/// Whether parts of the mesh lie inside others.
+fn has_hidden_triangles(asset: &Asset) -> bool {
+    matches!(asset.diagnosis.get("hidden_triangles"), Some(Value::Integer(count)) if count.iter().any(|n| *n > 0))
 }
 
 /// The parameter that bakes a map like this one as a container.

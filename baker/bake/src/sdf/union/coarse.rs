@@ -57,9 +57,9 @@ pub struct CoarseLeaf {
 }
 
 impl CoarseLeaf {
-    /// Of a block, whose places left over repeat the last number.
+    /// Of a block of the tree.
     pub fn new(block: &TriangleBlock, index: usize, bvh: &Bvh, tolerance: f64) -> CoarseLeaf {
-        let count = 1 + bvh.ids[index].windows(2).filter(|pair| pair[0] != pair[1]).count();
+        let count = bvh.coarse[index].triangles().len();
         let local = |v: Vec4| {
             let (centre, scale) = (Vec4::splat(bvh.frame.centre), wide::f64x4::splat(bvh.frame.scale));
             (v - centre).scale(scale)

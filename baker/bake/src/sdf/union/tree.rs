@@ -5,12 +5,11 @@ use glam::DVec3;
 
 use super::UnionSurface;
 use crate::sdf::bvh::{Bvh, Child, LEAF, NO_CHILD, Node};
+use crate::sdf::bvh_build::LEAF_SIZE;
 use crate::sdf::closest_point::TriangleBlock;
 use crate::sdf::coarse_block::CoarseBlock;
 use crate::sdf::oriented_box::OrientedBox;
 
-/// Triangles in a leaf.
-const LEAF_SIZE: usize = 4;
 /// Above this part of the leaves, or with more in one place than a node of leaves holds, a new tree is better.
 const MOST_CHANGED: f64 = 0.125;
 const MOST_IN_A_LEAF: usize = 4 * LEAF_SIZE;
