@@ -246,6 +246,10 @@ fn bodies_that_begin_where_they_cannot_stay_are_told() {
     let touching = cube("a", [0.0, 0.1, 0.0]) + &cube("b", [0.0, 0.3, 0.0]);
     let (told, _) = ask(place.path(), "check", &format!("{JET}{TANK}{touching}"));
     assert!(!told.contains("note  "), "{told}");
+    let heavy =
+        cube("a", [0.0, 0.1, 0.0]) + &cube("b", [0.0, 0.3, 0.0]).replace("density = 500.0", "density = 2e6");
+    let (told, _) = ask(place.path(), "check", &format!("{JET}{TANK}{heavy}"));
+    assert!(told.contains("note       body `b` is 4,000 times as heavy as `a`"), "{told}");
 }
 
 /// It falls out of a domain that ends below it.

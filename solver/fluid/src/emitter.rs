@@ -118,6 +118,12 @@ impl Emitter {
         out
     }
 
+    /// Places in the nozzle whose particles wait for room, metres.
+    pub fn waiting(&self) -> Vec<DVec3> {
+        let layer = self.layer(self.state.layers.wrapping_sub(1));
+        self.state.waiting.iter().map(|&n| layer[n as usize]).collect()
+    }
+
     /// Adds to `out` those that wait in a layer for which there is room, moved from their places in the nozzle.
     fn leave(&mut self, layer: u64, moved: DVec3, room: impl Fn(&[DVec3]) -> Room, out: &mut Vec<DVec3>) {
         if self.state.waiting.is_empty() {

@@ -3,6 +3,7 @@
 //! full adds nothing.
 
 use crate::bodies::Bodies;
+use crate::particles::Particles;
 use glam::IVec3;
 use std::collections::HashMap;
 use volmap_runtime::{DVec3, PosedMap};
@@ -67,7 +68,7 @@ impl Room {
         if near.peek().is_none() {
             return true;
         }
-        let fits = near.all(|(x, compressed)| x.distance(place) >= NEAREST * self.spacing && !compressed)
+        let fits = near.all(|(x, compressed)| x.distance(place) >= NEAREST * far && !compressed)
             && self.taken.iter().all(|x| x.distance(place) >= APART * self.spacing);
         if fits {
             self.taken.push(place);
@@ -77,6 +78,23 @@ impl Room {
 
     fn cube(&self, x: DVec3) -> IVec3 {
         (x / self.spacing).floor().as_ivec3()
+    }
+}
+
+/// Gives fluid in the mouth of a nozzle, nearer than a spacing to one of these places (metres), at least the velocity of
+/// the flow (m/s) along it: a pump pushes out what lies in its mouth. So there is room after a while, if what lies there
+/// can go.
+pub fn clear(places: &[DVec3], flow: DVec3, particles: &mut Particles, spacing: f64) {
+    let low = places.iter().fold(DVec3::INFINITY, |low, &x| low.min(x)) - spacing;
+    let high = places.iter().fold(DVec3::NEG_INFINITY, |high, &x| high.max(x)) + spacing;
+    let direction = flow.normalize_or_zero();
+    for (x, velocity) in particles.positions.iter().zip(&mut particles.velocities) {
+        let is_near = x.cmpge(low).all() && x.cmple(high).all();
+        if is_near && places.iter().any(|place| place.distance(*x) < spacing) {
+            let own = DVec3::from_array(velocity.map(f64::from));
+            let missing = (flow - own).dot(direction).max(0.0);
+            *velocity = (own + missing * direction).as_vec3().to_array();
+        }
     }
 }
 

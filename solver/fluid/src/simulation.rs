@@ -20,7 +20,7 @@ use crate::plane;
 use crate::pressure::{Solve, forces_on_bodies};
 use crate::report::SolveReport;
 use crate::response::Response;
-use crate::room::Room;
+use crate::room::{self, Room};
 use crate::settings::{FluidSettings, SolveSettings, SolverSettings, World};
 use crate::setup::Setup;
 use crate::stages::Stages;
@@ -230,6 +230,10 @@ impl Simulation {
             let places = emitter.emit(self.time, room);
             let velocity = emitter.velocity().as_vec3().to_array();
             particles.add(&places, &vec![velocity; places.len()]);
+            let waiting = emitter.waiting();
+            if !waiting.is_empty() {
+                room::clear(&waiting, emitter.velocity(), particles, spacing);
+            }
         }
         [self.particles.len() - before, (held(&self.emitters) - held_before) as usize]
     }

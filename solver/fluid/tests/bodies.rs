@@ -261,6 +261,37 @@ fn bodies_that_share_a_map_pile_up() {
     }
 }
 
+/// How far two cubes in a stack on a plate have sunk after 5 s, metres: the lower one, the upper one; and sideways. The
+/// upper one is so many times as heavy.
+fn sunk(ratio: f64, dt: f64) -> [f64; 3] {
+    let weighing =
+        |density: f64| Motion::Free(FreeBody { weight: Weight::Density(density), ..FreeBody::default() });
+    let plate = body("plate", &PLATE, DVec3::new(0.0, -0.1, 0.0), Motion::Static);
+    let lower = body("lower", &CUBE, DVec3::new(0.0, 0.1, 0.0), weighing(500.0));
+    let upper = body("upper", &CUBE, DVec3::new(0.0, 0.3, 0.0), weighing(500.0 * ratio));
+    let mut bodies = Bodies::new(vec![plate, lower, upper], GRAVITY).unwrap();
+    run(&mut bodies, 5.0, dt);
+    let [low, high] = [1, 2].map(|n| bodies.center_of_mass(n));
+    [0.1 - low.y, 0.3 - high.y, low.with_y(0.0).length().max(high.with_y(0.0).length())]
+}
+
+#[test]
+fn stacks_of_unlike_masses_stand() {
+    // A tenth of a particle's radius of 25 mm. They were 3, 31, 200 and 200 mm once from 10 on.
+    for ratio in [1.0, 10.0, 100.0, 300.0, 1000.0] {
+        for dt in [0.002, 0.008] {
+            let [lower, upper, aside] = sunk(ratio, dt);
+            let told = format!("1:{ratio}, steps of {dt} s: {lower} m, {upper} m, {aside} m");
+            assert!(lower.abs() < 0.0025 && upper.abs() < 0.0025, "{told}");
+            // They creep a little, at like masses too.
+            assert!(aside < 0.006, "{told}");
+        }
+    }
+    // What is beyond is told with its size.
+    let [_, upper, _] = sunk(3000.0, 0.002);
+    assert!((upper - 0.0036).abs() < 5e-4, "{upper}");
+}
+
 /// How far from the bottom a slowly spinning drum carries a box, radians.
 fn carried(friction: f64, drum: &Thing) -> f64 {
     let spin = Path::Spin(Spin { axis: DVec3::Z, centre: DVec3::ZERO, speed: 0.2 });
@@ -423,6 +454,13 @@ fn impossible_bodies_are_refused_by_name() {
     refused(&|body| {
         body.motion = Motion::Free(FreeBody { velocity: DVec3::NAN, ..FreeBody::default() });
     });
+    let along =
+        FreeBody { velocity: DVec3::Y, locked_translation: [true, true, false], ..FreeBody::default() };
+    let about = FreeBody { angular_velocity: DVec3::Z, locked_rotation: [true; 3], ..FreeBody::default() };
+    for (moving, expected) in [(along, "a velocity along y"), (about, "an angular velocity about z")] {
+        let error = refused(&|body| body.motion = Motion::Free(moving.clone()));
+        assert!(error.contains(expected) && error.contains("locked there"), "{error}");
+    }
     assert!(refused(&|body| body.map = TANK.map.clone()).contains("inverted"));
     let nowhere = Keys { keys: vec![], interpolation: Interpolation::Linear, repeat: false };
     refused(&|body| body.motion = Motion::Prescribed(Path::Keys(nowhere.clone())));

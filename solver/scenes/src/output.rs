@@ -25,7 +25,7 @@ pub mod table;
 pub use checkpoint::{Checkpoint, CheckpointWriter};
 pub use folder::{FolderSettings, Output};
 pub use frame::{BodyFrame, Frame};
-pub use statistics::{RunSummary, StepStatistics};
+pub use statistics::{EmitterSummary, RunSummary, StepStatistics};
 
 use crate::error::Error;
 use std::path::Path;

@@ -8,7 +8,9 @@ use crate::scene::sources::SourceCount;
 use crate::scene::{self, PreparedBody, Scene, SceneSummary, SourceFile, placement, summary};
 use std::path::Path;
 use volmap_bake::watch::Watch;
+use volmap_fluid::bodies::MOST_UNLIKE;
 use volmap_fluid::simulation::Simulation;
+use volmap_formats::text::{significant, thousands};
 
 /// A simulation at time 0, and what is known of its parts.
 pub struct Plan {
@@ -60,7 +62,30 @@ pub fn plan_within(
     let (counts, mut notes) = (prepared.particles.counts.clone(), prepared.notes.clone());
     notes.extend(placement::notes(&bodies, scene.particle_radius, scene.domain.as_ref()));
     let simulation = Simulation::new(assemble(scene, prepared)?)?;
+    notes.extend(unlike_masses(&simulation));
     Ok(Plan { simulation, bodies, counts, files, notes })
+}
+
+/// A note if a free body is so much heavier than another one that it sinks into it.
+fn unlike_masses(simulation: &Simulation) -> Option<String> {
+    let bodies = simulation.bodies();
+    let masses = (0..bodies.posed().len()).filter_map(|body| Some((body, bodies.mass(body)?.mass)));
+    let [lightest, heaviest] = [
+        masses.clone().min_by(|a, b| a.1.total_cmp(&b.1))?,
+        masses.clone().max_by(|a, b| a.1.total_cmp(&b.1))?,
+    ];
+    let ratio = heaviest.1 / lightest.1;
+    (ratio > MOST_UNLIKE).then(|| {
+        format!(
+            "body `{}` is {} times as heavy as `{}`: on top of each other the heavy one sinks into the light one, by \
+             some {} mm; contacts hold up to {} times",
+            bodies.name(heaviest.0),
+            significant(ratio, 2),
+            bodies.name(lightest.0),
+            significant(1.2 * ratio / MOST_UNLIKE, 2),
+            thousands(MOST_UNLIKE as u64)
+        )
+    })
 }
 
 /// Reads a scene, prepares all that its run begins with, and does the first step. What a run would refuse is an error

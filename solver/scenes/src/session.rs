@@ -9,7 +9,7 @@ use crate::error::Error;
 use crate::output::bodies::BodyMesh;
 use crate::output::folder::Start;
 use crate::output::lock::FolderLock;
-use crate::output::statistics::RunSummary;
+use crate::output::statistics::{EmitterSummary, RunSummary};
 use crate::output::{self, Frame, Output, StepStatistics};
 use crate::plan::{Plan, plan_within};
 use crate::resume::{self, Identity};
@@ -21,6 +21,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 use volmap_bake::watch::Watch;
 use volmap_fluid::channels::{Channel, ChannelValues};
+use volmap_fluid::emitter::Emitter;
 use volmap_fluid::simulation::Simulation;
 use volmap_formats::export::points::Values;
 use volmap_formats::text::number;
@@ -233,7 +234,10 @@ impl Session {
     /// Files that can't be read or written.
     pub fn finish(&mut self) -> Result<RunSummary, Error> {
         self.checkpoint()?;
-        self.output.finish()
+        let emitters = self.simulation.emitters().iter();
+        let summary =
+            |emitter: &Emitter| EmitterSummary { emitted: emitter.state.particles, held: emitter.state.held };
+        self.output.finish(emitters.map(summary).collect())
     }
 
     /// Whether the run has reached its end.

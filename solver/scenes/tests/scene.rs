@@ -332,3 +332,22 @@ fn defaults_give_way_to_what_is_given() {
     let told = toml(&format!("{small}[fluid]\nviscosity = 0.02")).unwrap_err();
     assert!(told.contains("0.02 m^2/s needs time steps of at most"), "{told}");
 }
+
+#[test]
+fn velocities_along_fixed_axes_are_refused() {
+    let with = |more: &str| SCENE.replace("density = 500.0", &format!("density = 500.0\n{more}"));
+    for (more, expected) in [
+        (
+            "velocity = [0, 1.5, 0]\nfixed_translation = [false, true, false]",
+            "bodies[1].motion.free.velocity: 1.5 for y, which fixed_translation fixes",
+        ),
+        (
+            "angular_velocity = [0, 0, -5]\nfixed_rotation = [true, true, true]",
+            "bodies[1].motion.free.angular_velocity: -5 for z, which fixed_rotation fixes",
+        ),
+    ] {
+        let error = toml(&with(more)).unwrap_err();
+        assert!(error.contains(expected), "{error}");
+    }
+    assert!(toml(&with("velocity = [1, 0, 0]\nfixed_translation = [false, true, true]")).is_ok());
+}

@@ -9,7 +9,8 @@ use volmap_fluid::settings::BoundaryMethod;
 use volmap_runtime::{ClosureKind, DVec3, KernelKind};
 use volmap_scenes::scene::map::Origin;
 use volmap_scenes::scene::{
-    Block, Body, Fill, Keyframe, Motion, Prepared, Region, Rotation, Scene, Spin, load, prepare,
+    Block, Body, EmitterSettings, Fill, Keyframe, Motion, Nozzle, Prepared, Region, Rotation, Scene, Spin,
+    load, prepare,
 };
 
 fn data(name: &str) -> PathBuf {
@@ -181,6 +182,27 @@ fn no_fluid_is_an_error_with_its_cause() {
     let bake = Parameters { scale: Some(Scale([0.01; 3])), ..tank(false) };
     let fills = vec![Fill { mesh: Some(data("tank.obj")), bake, ..Fill::default() }];
     assert!(run(&Scene { fills, ..scene(&cache) }).unwrap_err().contains("no particle fits"));
+}
+
+#[test]
+fn nozzles_in_each_other_are_told() {
+    let cache = tempfile::tempdir().unwrap();
+    let nozzle = |x: f64, start: f64| EmitterSettings {
+        position: [x, 0.0, 0.0],
+        nozzle: Nozzle::Box { width: 0.2, height: 0.2 },
+        start,
+        stop: Some(start + 0.3),
+        ..EmitterSettings::default()
+    };
+    let notes = |emitters: Vec<EmitterSettings>| run(&Scene { emitters, ..scene(&cache) }).unwrap().notes;
+    let told = notes(vec![nozzle(0.0, 0.0), nozzle(1.0, 0.0), nozzle(0.0, 0.1)]);
+    assert!(
+        told.iter().any(|n| n.contains("emitters[2]: its nozzle lies in that of emitters[0]")),
+        "{told:?}"
+    );
+    assert_eq!(told.len(), 1, "{told:?}");
+    // Beside each other, or one after the other.
+    assert_eq!(notes(vec![nozzle(0.0, 0.0), nozzle(0.2, 0.0), nozzle(0.0, 0.3)]), Vec::<String>::new());
 }
 
 /// The watch is cancelled when the bake begins, as by Ctrl-C.

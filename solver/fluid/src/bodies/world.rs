@@ -3,11 +3,12 @@
 use super::description::{BodyDescription, Motion};
 use super::mass::Mass;
 use super::spin::Turn;
-use super::{Body, Path};
+use super::{Body, MOST_UNLIKE, Path};
 use rapier3d_f64::dynamics::FrictionModel;
 use rapier3d_f64::parry::mass_properties::MassProperties;
 use rapier3d_f64::prelude::{
-    ColliderBuilder, LockedAxes, PhysicsWorld, RigidBody, RigidBodyBuilder, RigidBodyHandle, SharedShape,
+    ColliderBuilder, IntegrationParameters, LockedAxes, PhysicsWorld, RigidBody, RigidBodyBuilder,
+    RigidBodyHandle, SharedShape,
 };
 use volmap_formats::mesh::guard;
 use volmap_runtime::{DVec3, Pose};
@@ -15,9 +16,15 @@ use volmap_runtime::{DVec3, Pose};
 /// Longest step of contacts, seconds; longer ones are split.
 const LONGEST_STEP: f64 = 1.0 / 120.0;
 
+/// Contacts are springs that follow the lighter of two bodies: under a weight of so many of them it sinks in by that
+/// times a third of a millimetre. From here on they are stiffer, so that like masses keep what they had.
+const LIKE_MASSES: f64 = 4.0;
+
 /// Rapier's world.
 pub(super) struct World {
     pub physics: PhysicsWorld,
+    /// The least and the largest mass of its free bodies.
+    masses: [f64; 2],
 }
 
 impl World {
@@ -31,7 +38,7 @@ impl World {
         parameters.contact_clustering = false;
         // Against closed forms, sliding friction is right to 1 %; the other model (Coulomb) lacks 6 %.
         parameters.friction_model = FrictionModel::Simplified;
-        World { physics }
+        World { physics, masses: [f64::INFINITY, 0.0] }
     }
 
     pub fn gravity(&self) -> DVec3 {
@@ -50,6 +57,7 @@ impl World {
         let body = match (&description.motion, mass) {
             (Motion::Free(free), Some(mass)) => {
                 self.keep_in_proportion(size);
+                self.stiffen(mass.mass);
                 RigidBodyBuilder::dynamic()
                     .additional_mass_properties(rapier_mass(mass))
                     .linvel(free.velocity)
@@ -76,6 +84,25 @@ impl World {
         let has_free = self.physics.bodies.iter().any(|(_, body)| body.is_dynamic());
         let unit = &mut self.physics.integration_parameters.length_unit;
         *unit = if has_free { unit.min(size) } else { size };
+    }
+
+    /// Stiffness of contacts follows the free bodies' masses, of which this is one: a light one holds a heavy one as one
+    /// like it, by stiffer springs in proportion, and parts of the step that are short enough for them.
+    fn stiffen(&mut self, mass: f64) {
+        let [least, largest] = &mut self.masses;
+        (*least, *largest) = (least.min(mass), largest.max(mass));
+        let unlike = (*largest / *least).min(MOST_UNLIKE);
+        if unlike <= LIKE_MASSES {
+            return;
+        }
+        let stiffer = (unlike / LIKE_MASSES).sqrt();
+        let rapier = IntegrationParameters::default();
+        let parameters = &mut self.physics.integration_parameters;
+        parameters.contact_softness.natural_frequency = stiffer * rapier.contact_softness.natural_frequency;
+        parameters.static_contact_softness.natural_frequency =
+            stiffer * rapier.static_contact_softness.natural_frequency;
+        let parts = (2.0 * stiffer).ceil() as usize;
+        parameters.num_solver_iterations = parts.max(rapier.num_solver_iterations);
     }
 
     /// Pose, velocity of the centre of mass, angular velocity.

@@ -6,7 +6,7 @@ use super::notes;
 use super::particles::{self, CollectionEntry, ParticleFormat};
 use super::picture::{Painter, PictureSettings, World};
 use super::poses::{self, BodyFile, PoseRow};
-use super::statistics::{RunSummary, StepStatistics, summarise};
+use super::statistics::{EmitterSummary, RunSummary, StepStatistics, summarise};
 use super::table::{Kept, Table};
 use super::{Frame, io_error, publish};
 use crate::error::Error;
@@ -185,13 +185,15 @@ impl Output {
         if self.settings.statistics { self.steps.append(std::slice::from_ref(step)) } else { Ok(()) }
     }
 
-    /// Writes the summary of the run so far: `stats.json`, `poses.json` and the animation.
+    /// Writes the summary of the run so far: `stats.json`, `poses.json` and the animation. `emitters` are what each of
+    /// them gave.
     ///
     /// # Errors
     /// A file that can't be read or written.
-    pub fn finish(&self) -> Result<RunSummary, Error> {
+    pub fn finish(&self, emitters: Vec<EmitterSummary>) -> Result<RunSummary, Error> {
         let steps = self.steps.rows()?;
-        let summary = RunSummary { notes: notes::of_run(&steps, &self.settings.solver), ..summarise(&steps) };
+        let notes = notes::of_run(&steps, &emitters, &self.settings.solver);
+        let summary = RunSummary { notes, emitters, ..summarise(&steps) };
         let json = serde_json::to_vec_pretty(&summary).expect("numbers and text");
         publish(&self.folder.join("stats.json"), &json)?;
         if !self.bodies.is_empty() {

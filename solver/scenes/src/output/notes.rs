@@ -1,7 +1,7 @@
 //! What a user should know of how a run went, from the rows of its steps: fluid that was compressed, particles for
 //! which there was no room, solves that ended too early.
 
-use super::statistics::StepStatistics;
+use super::statistics::{EmitterSummary, StepStatistics};
 use volmap_fluid::compression::COMPRESSED;
 use volmap_fluid::room::FULL;
 use volmap_fluid::settings::SolverSettings;
@@ -10,9 +10,9 @@ use volmap_formats::text::{number, percent, thousands};
 /// For so long a fluid may be compressed without a note, seconds: longer than a splash is.
 const MOMENT: f64 = 0.1;
 
-/// All notes of a run.
-pub fn of_run(steps: &[StepStatistics], solver: &SolverSettings) -> Vec<String> {
-    let all = [compressed(steps), held(steps)].into_iter().chain(unsolved(steps, solver));
+/// All notes of a run, whose emitters gave so much.
+pub fn of_run(steps: &[StepStatistics], emitters: &[EmitterSummary], solver: &SolverSettings) -> Vec<String> {
+    let all = [compressed(steps), held(steps, emitters)].into_iter().chain(unsolved(steps, solver));
     all.flatten().collect()
 }
 
@@ -44,15 +44,22 @@ fn is_compressed(step: &StepStatistics) -> bool {
     step.density_error_max > COMPRESSED
 }
 
-fn held(steps: &[StepStatistics]) -> Option<String> {
+fn held(steps: &[StepStatistics], emitters: &[EmitterSummary]) -> Option<String> {
     let first = steps.iter().find(|step| step.held > 0)?;
     let count = |of: fn(&StepStatistics) -> u64| steps.iter().map(of).sum::<u64>();
     let (held, emitted) = (count(|s| s.held), count(|s| s.emitted));
+    let of = |held: u64, emitted: u64| {
+        let part = percent(held as f64 / (held + emitted).max(1) as f64);
+        format!("{} of {} particles ({part})", thousands(held), thousands(held + emitted))
+    };
+    let each = emitters.iter().enumerate().filter(|(_, emitter)| emitter.held > 0);
+    let each = each.map(|(n, emitter)| format!("emitters[{n}] {}", of(emitter.held, emitter.emitted)));
+    let each = if emitters.len() > 1 { each.collect::<Vec<_>>().join(", ") + "; " } else { String::new() };
     Some(format!(
-        "emitters held back {} of {} particles, the first at {} s: there was no room for them before the nozzle, \
-         in a body, on top of other fluid, or where the fluid was denser than at rest by more than {}",
-        thousands(held),
-        thousands(held + emitted),
+        "emitters held back {}, the first at {} s: {each}there was no room for them before the next layer was due, in \
+         a body, on top of other fluid, or where the fluid was denser than at rest by more than {}; so much of the \
+         flow is missing",
+        of(held, emitted),
         number(first.time - first.dt),
         percent(FULL),
     ))
@@ -127,7 +134,8 @@ mod tests {
     }
 
     fn notes(steps: &[StepStatistics]) -> Vec<String> {
-        of_run(steps, &SolverSettings::default())
+        let emitters = [EmitterSummary { emitted: 100, held: 0 }, EmitterSummary { emitted: 100, held: 150 }];
+        of_run(steps, &emitters, &SolverSettings::default())
     }
 
     #[test]
@@ -165,7 +173,8 @@ mod tests {
         };
         let notes = notes(&steps(100, bad));
         let [held, density] = &notes[..] else { panic!("{notes:?}") };
-        assert!(held.contains("held back 150 of 350 particles, the first at 0.5 s"), "{held}");
+        assert!(held.contains("held back 150 of 350 particles (42.9 %), the first at 0.5 s"), "{held}");
+        assert!(held.contains("0.5 s: emitters[1] 150 of 250 particles (60 %); there"), "{held}");
         assert!(
             density.contains("the density solve ended at its limit of 100 iterations in 10 of 100"),
             "{density}"

@@ -158,6 +158,9 @@ pub struct RunSummary {
     pub emitted: u64,
     /// Particles that emitters should have made, and for which there was no room.
     pub held: u64,
+    /// The same of each emitter, in the scene's order.
+    #[serde(default)]
+    pub emitters: Vec<EmitterSummary>,
     /// Particles that left the domain and were removed.
     pub removed: u64,
     /// Particles that were pushed out of bodies; one counts once per step.
@@ -187,6 +190,15 @@ pub struct RunSummary {
     pub notes: Vec<String>,
 }
 
+/// What an emitter gave.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct EmitterSummary {
+    /// Particles that it made.
+    pub emitted: u64,
+    /// Particles that it should have made, and for which there was no room.
+    pub held: u64,
+}
+
 /// How a number spreads over the steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Spread {
@@ -214,7 +226,7 @@ impl Spread {
     }
 }
 
-/// Sums up the steps of a run, in their order; without notes.
+/// Sums up the steps of a run, in their order; without notes, and without what each emitter gave.
 pub fn summarise(steps: &[StepStatistics]) -> RunSummary {
     let spread = |of: fn(&StepStatistics) -> f64| Spread::of(steps.iter().map(of));
     let count = |of: fn(&StepStatistics) -> u64| steps.iter().map(of).sum();
@@ -229,6 +241,7 @@ pub fn summarise(steps: &[StepStatistics]) -> RunSummary {
         particles: last.particles,
         emitted: count(|s| s.emitted),
         held: count(|s| s.held),
+        emitters: Vec::new(),
         removed: count(|s| s.removed),
         brought_back: count(|s| s.inside_body),
         dt: spread(|s| s.dt),

@@ -7,7 +7,7 @@ use super::fluid::Fill;
 use super::map::{Library, Origin, Shape};
 use super::memory::{Limit, of_maps};
 use super::nozzle;
-use super::overlap::{BODY_MARGIN, drop_in_bodies};
+use super::overlap::{BODY_MARGIN, Placed, bounds, drop_in_bodies};
 use super::sources::{self, PlacedParticles, Solid, SourceCount};
 use crate::error::Error;
 use glam::DVec3;
@@ -123,6 +123,7 @@ fn prepare_from(scene: &Scene, library: Library) -> Result<Prepared, Error> {
     check_not_empty(scene, &particles, &emitters, &bodies)?;
     notes.extend(particles.counts.iter().filter_map(left_out));
     notes.extend(emitters.iter().enumerate().filter_map(|(i, emitter)| blocked(i, emitter, &posed, scene)));
+    notes.extend(overlapping(scene, &emitters));
     Ok(Prepared { bodies, particles, emitters, files, notes })
 }
 
@@ -277,6 +278,27 @@ fn left_out(count: &SourceCount) -> Option<String> {
         _ => "",
     };
     (!parts.is_empty()).then(|| format!("{}: particles left out: {}{none}", count.key, parts.join(", ")))
+}
+
+/// A note for each nozzle that lies in an earlier one that works at the same time: each takes the other's room.
+fn overlapping(scene: &Scene, emitters: &[Emitter]) -> Vec<String> {
+    let until = |settings: &EmitterSettings| settings.stop.unwrap_or(f64::INFINITY);
+    let meet = |[first, second]: [usize; 2]| {
+        let [one, other] = [first, second].map(|n| &scene.emitters[n]);
+        let mut places: Vec<DVec3> = emitters[second].places().collect();
+        let mut placed = Placed::new(scene.particle_radius);
+        let taken: Vec<DVec3> = emitters[first].places().collect();
+        placed.add(&taken, &bounds(&places).into_iter().collect::<Vec<_>>());
+        one.start.max(other.start) < until(one).min(until(other)) && placed.drop_duplicates(&mut places) > 0
+    };
+    let note = |second: usize| {
+        let first = (0..second).find(|&first| meet([first, second]))?;
+        Some(format!(
+            "emitters[{second}]: its nozzle lies in that of emitters[{first}], nearer than a particle radius, and both \
+             work at the same time: they give less than they should; move one, or start it when the other has stopped"
+        ))
+    };
+    (0..emitters.len()).filter_map(note).collect()
 }
 
 fn blocked(index: usize, emitter: &Emitter, bodies: &[PosedMap], scene: &Scene) -> Option<String> {

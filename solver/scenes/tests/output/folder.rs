@@ -57,7 +57,7 @@ fn a_run_that_goes_on_leaves_the_same_files() {
     let (whole, parts) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
     let mut output = open(whole.path(), None);
     simulate(&mut output, 0, 12);
-    let summary = output.finish().unwrap();
+    let summary = output.finish(Vec::new()).unwrap();
     assert_eq!((summary.steps, summary.particles, output.frames()), (12, 10, 4));
     // Killed after step 9 and frame 8; the checkpoint is that of step 6.
     let mut output = open(parts.path(), None);
@@ -66,7 +66,7 @@ fn a_run_that_goes_on_leaves_the_same_files() {
     let mut output = open(parts.path(), Some(Start { step: 6, frames: 2 }));
     assert_eq!(output.frames(), 2);
     simulate(&mut output, 7, 12);
-    output.finish().unwrap();
+    output.finish(Vec::new()).unwrap();
     keep("animation.png", &std::fs::read(whole.path().join("animation.png")).unwrap());
     let (whole, parts) = (content(whole.path()), content(parts.path()));
     let names: Vec<&str> = whole.iter().map(|(name, _)| name.as_str()).collect();
@@ -79,7 +79,7 @@ fn poses_move_the_meshes() {
     let folder = tempfile::tempdir().unwrap();
     let mut output = open(folder.path(), None);
     simulate(&mut output, 0, 4);
-    output.finish().unwrap();
+    output.finish(Vec::new()).unwrap();
     let json: serde_json::Value =
         serde_json::from_slice(&std::fs::read(folder.path().join("poses.json")).unwrap()).unwrap();
     let file = json["bodies"][0]["mesh"].as_str().unwrap();

@@ -37,8 +37,8 @@ fn shape() -> Shape {
 fn bodies(shape: &Shape, locked: bool) -> Bodies {
     let free = FreeBody {
         weight: Weight::Density(150.0),
-        velocity: DVec3::new(0.3, -0.5, 0.2),
-        angular_velocity: DVec3::new(2.0, 1.0, -3.0),
+        velocity: DVec3::new(0.3, if locked { 0.0 } else { -0.5 }, 0.2),
+        angular_velocity: DVec3::new(if locked { 0.0 } else { 2.0 }, 1.0, -3.0),
         locked_translation: [false, locked, false],
         locked_rotation: [locked, false, false],
     };
