@@ -93,7 +93,7 @@ enum Method {
     VolumeMap(Option<Closure>),
     DensityMap,
     /// One for each body.
-    Particles(Kernel, Vec<Arc<BodyParticles>>),
+    Particles(particles::Kernels, Vec<Arc<BodyParticles>>),
     TubeMap(Kernel),
 }
 
@@ -141,7 +141,8 @@ impl Boundary {
                 Method::DensityMap
             }
             BoundaryMethod::Particles => {
-                Method::Particles(kernel, particles::of_bodies(bodies, world, &kernel)?)
+                let all = particles::of_bodies(bodies, world, &kernel)?;
+                Method::Particles(particles::Kernels::new(kernel, world, fluid), all)
             }
             BoundaryMethod::TubeMap => Method::TubeMap(kernel),
         };
@@ -258,8 +259,8 @@ impl BlockContacts {
             // Without bodies there is nothing to touch.
             Method::VolumeMap(None) => {}
             Method::DensityMap => density_map::touch(pairing, scratch, contacts),
-            Method::Particles(kernel, all) => {
-                particles::touch(pairing, kernel, &all[pairing.body], contacts);
+            Method::Particles(kernels, all) => {
+                particles::touch(pairing, kernels, &all[pairing.body], contacts);
             }
             Method::TubeMap(kernel) => tube_map::touch(pairing, kernel, scratch, contacts),
         }

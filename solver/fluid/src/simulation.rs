@@ -52,6 +52,8 @@ pub struct Simulation {
     boundary: Boundary,
     /// See [`World::rest_sum`].
     rest_sum: f64,
+    /// See [`World::gradient_scale`].
+    gradient_scale: f64,
     /// See [`World::jacobi_relaxation`].
     relaxation: f64,
     extrapolation: Extrapolation,
@@ -131,6 +133,7 @@ impl Simulation {
         Ok(Simulation {
             domain,
             rest_sum: world.rest_sum(&fluid),
+            gradient_scale: world.gradient_scale(&fluid),
             relaxation: world.jacobi_relaxation(&fluid, solver.relaxation),
             world,
             fluid,
@@ -407,6 +410,7 @@ impl Simulation {
             support_radius: self.world.support_radius,
             volume: self.particle_volume() * self.world.volume_in_sums(),
             rest_sum: self.rest_sum,
+            gradient_scale: self.gradient_scale,
             dimension: self.world.dimension,
         }
     }

@@ -375,6 +375,7 @@ mod tests {
             support_radius: RADIUS,
             volume: 1.25e-4,
             rest_sum: 1.0,
+            gradient_scale: 1.0,
             dimension: Dimension::Three,
         };
         let gravity = DVec3::new(0.0, -10.0, 0.0);
