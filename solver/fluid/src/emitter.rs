@@ -1,7 +1,7 @@
 //! Nozzles at work: layers of particles that leave at the moments when the flow has moved on by one spacing.
 //!
-//! A particle only leaves where there is room for it ([`Room`]); those for which there is none are held back for good
-//! and counted.
+//! A particle only leaves where there is room for it ([`Room`]). One for which there is none waits in its place until
+//! the next layer is due; if there is still none, it is held back for good and counted.
 
 use crate::room::Room;
 use serde::{Deserialize, Serialize};
@@ -37,15 +37,18 @@ pub struct Emitter {
 }
 
 /// How far an emitter is.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct EmitterState {
-    /// Layers that left.
+    /// Layers that were due.
     pub layers: u64,
     /// Particles that left.
     pub particles: u64,
     /// Particles for which there was no room.
     #[serde(default)]
     pub held: u64,
+    /// Particles of the last layer that wait for room: their numbers in it.
+    #[serde(default)]
+    pub waiting: Vec<u32>,
 }
 
 /// Part of a layer's distance that rounding may take from the end.
@@ -79,38 +82,75 @@ impl Emitter {
 
     /// Whether no more will come.
     pub fn is_done(&self) -> bool {
+        self.state.waiting.is_empty() && self.has_no_layer()
+    }
+
+    /// Whether no layer will come after the last.
+    fn has_no_layer(&self) -> bool {
         let layers = |seconds: f64| seconds * self.jet.speed / self.jet.spacing;
         let ended = self
             .jet
             .stop
             .is_some_and(|stop| self.state.layers as f64 >= layers(stop - self.jet.start) - SLACK);
-        ended || self.state.particles + self.next().len() as u64 > self.jet.max_particles
+        let EmitterState { particles, waiting, .. } = &self.state;
+        ended || particles + waiting.len() as u64 + self.next().len() as u64 > self.jet.max_particles
     }
 
-    /// Where the particles are, at `time` (the end of a step, seconds), that are due since the last call; `room` says
-    /// which of them can leave. Those before it, in the order of the layers, are there already.
+    /// Where the particles are, at `time` (the end of a step, seconds), that leave now: those that waited and those
+    /// that are due since the last call. `room` says what is near their places. Layers come one after the other.
     pub fn emit(&mut self, time: f64, room: impl Fn(&[DVec3]) -> Room) -> Vec<DVec3> {
         let mut out = Vec::new();
-        while !self.is_done() && self.due(self.state.layers) <= time {
+        if self.due(self.state.layers) > time {
+            self.leave(self.state.layers.wrapping_sub(1), DVec3::ZERO, &room, &mut out);
+        }
+        while self.due(self.state.layers) <= time {
+            // Its place belongs to the next one now.
+            self.state.held += std::mem::take(&mut self.state.waiting).len() as u64;
+            if self.has_no_layer() {
+                break;
+            }
             let Jet { direction, speed, spacing, start, .. } = self.jet;
             let travelled = (time - start) * speed - self.state.layers as f64 * spacing;
-            let layer: Vec<DVec3> =
-                self.next().iter().map(|&place| place + travelled.max(0.0) * direction).collect();
-            let room = room(&layer);
-            let free = layer.iter().copied().filter(|&place| room.is_free(place));
-            let before = out.len();
-            out.extend(free);
-            let left = (out.len() - before) as u64;
+            self.state.waiting = (0..self.next().len() as u32).collect();
             self.state.layers += 1;
-            self.state.particles += left;
-            self.state.held += layer.len() as u64 - left;
+            self.leave(self.state.layers - 1, travelled.max(0.0) * direction, &room, &mut out);
         }
         out
     }
 
+    /// Adds to `out` those that wait in a layer for which there is room, moved from their places in the nozzle.
+    fn leave(&mut self, layer: u64, moved: DVec3, room: impl Fn(&[DVec3]) -> Room, out: &mut Vec<DVec3>) {
+        if self.state.waiting.is_empty() {
+            return;
+        }
+        let waiting = std::mem::take(&mut self.state.waiting);
+        let layer = self.layer(layer);
+        let places: Vec<DVec3> = waiting.iter().map(|&n| layer[n as usize] + moved).collect();
+        let (mut room, mut still) = (room(&places), Vec::new());
+        for (&n, &place) in waiting.iter().zip(&places) {
+            if room.take(place) {
+                out.push(place);
+            } else {
+                still.push(n);
+            }
+        }
+        self.state.particles += (waiting.len() - still.len()) as u64;
+        self.state.waiting = still;
+    }
+
     fn next(&self) -> &[DVec3] {
+        self.layer(self.state.layers)
+    }
+
+    fn layer(&self, number: u64) -> &[DVec3] {
         let count = self.jet.layers.len().max(1) as u64;
-        self.jet.layers.get((self.state.layers % count) as usize).map_or(&[], Vec::as_slice)
+        self.jet.layers.get((number % count) as usize).map_or(&[], Vec::as_slice)
+    }
+
+    /// Whether a state can be one of this emitter.
+    pub(crate) fn can_be_in(&self, state: &EmitterState) -> bool {
+        let layer = self.layer(state.layers.wrapping_sub(1));
+        state.waiting.iter().all(|&n| (n as usize) < layer.len())
     }
 
     fn due(&self, layer: u64) -> f64 {

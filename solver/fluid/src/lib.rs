@@ -47,6 +47,7 @@ pub mod emitter;
 pub mod error;
 pub mod fields;
 pub mod forces;
+mod fused;
 pub mod lattice;
 pub mod neighbours;
 pub mod observe;

@@ -9,8 +9,13 @@ use volmap_runtime::{DVec3, PosedMap};
 
 /// Nearer to a particle than this part of a spacing there is no room, nor nearer to a body than that part. Fluid at rest
 /// gives way to what comes between its particles, but not to what lies on top of them.
-const NEAREST: f64 = 0.2;
+const NEAREST: f64 = 0.5;
 const NEAREST_BODY: f64 = 0.1;
+/// Of what comes between particles in the same moment, no two may be nearer to each other than so many spacings: the
+/// kernel's reach, as each takes the room of the other.
+const APART: f64 = 2.0;
+/// Part of a spacing that rounding may take from a distance.
+const SLACK: f64 = 1e-6;
 /// Fluid that is denser than at rest by more than this part has no room: what the density solve corrects in a step.
 pub const FULL: f64 = 0.01;
 
@@ -20,6 +25,8 @@ pub struct Room {
     spacing: f64,
     /// Particles by cubes of the spacing: where they are, and whether the fluid is compressed there.
     cubes: HashMap<IVec3, Vec<(DVec3, bool)>>,
+    /// Places between particles that were taken.
+    taken: Vec<DVec3>,
     bodies: Vec<PosedMap>,
 }
 
@@ -46,18 +53,26 @@ impl Room {
         room
     }
 
-    /// Whether a particle can be put at a place, metres.
-    pub fn is_free(&self, place: DVec3) -> bool {
+    /// Takes a place, metres, if a particle can be put there.
+    pub fn take(&mut self, place: DVec3) -> bool {
         let in_body = |body: &PosedMap| body.values(place).distance < NEAREST_BODY * self.spacing;
         if self.bodies.iter().any(in_body) {
             return false;
         }
         let cube = self.cube(place);
         let around = (0..27).map(|i| IVec3::new(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1));
-        let near = around.filter_map(|step| self.cubes.get(&cube.saturating_add(step))).flatten();
-        near.map(|&(x, compressed)| (x.distance(place), compressed)).all(|(distance, compressed)| {
-            distance >= self.spacing || distance >= NEAREST * self.spacing && !compressed
-        })
+        let all = around.filter_map(|step| self.cubes.get(&cube.saturating_add(step))).flatten();
+        let far = self.spacing * (1.0 - SLACK);
+        let mut near = all.filter(|(x, _)| x.distance(place) < far).peekable();
+        if near.peek().is_none() {
+            return true;
+        }
+        let fits = near.all(|(x, compressed)| x.distance(place) >= NEAREST * self.spacing && !compressed)
+            && self.taken.iter().all(|x| x.distance(place) >= APART * self.spacing);
+        if fits {
+            self.taken.push(place);
+        }
+        fits
     }
 
     fn cube(&self, x: DVec3) -> IVec3 {
@@ -74,10 +89,22 @@ mod tests {
         let none = Bodies::new(Vec::new(), DVec3::ZERO).unwrap();
         let at = |x: f64| DVec3::new(x, 0.0, 0.0);
         let room = |density: f32| Room::near(&[at(0.0), at(1.0)], &[at(0.0)], &[density], &none, 0.1);
-        let free = |density: f32, x: f64| room(density).is_free(at(x));
-        assert!(!free(1.0, 0.0) && !free(1.0, 0.019) && free(1.0, 0.021) && free(1.0, 1.0));
+        let free = |density: f32, x: f64| room(density).take(at(x));
+        assert!(!free(1.0, 0.0) && !free(1.0, 0.049) && free(1.0, 0.051) && free(1.0, 1.0));
         // Compressed fluid takes nothing beside it either.
         assert!(!free(1.1, 0.06) && !free(1.1, 0.099) && free(1.1, 0.101));
-        assert!(Room::default().is_free(at(0.0)));
+        assert!(Room::default().take(at(0.0)));
+    }
+
+    #[test]
+    fn what_comes_between_particles_takes_the_room_of_others() {
+        let none = Bodies::new(Vec::new(), DVec3::ZERO).unwrap();
+        let at = |x: f64| DVec3::new(x, 0.0, 0.0);
+        let row: Vec<DVec3> = (0..10).map(|n| at(0.1 * f64::from(n))).collect();
+        let mut room = Room::near(&row, &row, &[1.0; 10], &none, 0.1);
+        assert!(room.take(at(0.05)) && !room.take(at(0.15)) && room.take(at(0.25)));
+        // Beside them a whole layer has room.
+        let beside = |n: u32| at(0.1 * f64::from(n)) + 0.1 * DVec3::Y;
+        assert!((0..10).all(|n| room.take(beside(n))));
     }
 }

@@ -12,6 +12,7 @@ use crate::emitter::Emitter;
 use crate::error::Error;
 use crate::fields::{self, Fields};
 use crate::forces::{Force, ForceStep, Forces};
+use crate::fused;
 use crate::neighbours::{Neighbours, Sought};
 use crate::pairs::table::MOST;
 use crate::particles::{CHUNK, Particles};
@@ -23,7 +24,7 @@ use crate::room::Room;
 use crate::settings::{FluidSettings, SolveSettings, SolverSettings, World};
 use crate::setup::Setup;
 use crate::stages::Stages;
-use crate::strays;
+use crate::strays::{self, Strays};
 use crate::time_step::{part_of, time_step};
 use rayon::prelude::*;
 use volmap_formats::text::number;
@@ -190,7 +191,7 @@ impl Simulation {
             // The last of them: no rounding of sums.
             end = if dt == left { target } else { self.time + dt };
         }
-        self.find_neighbourhoods()?;
+        self.find_neighbourhoods(dt)?;
         self.compute_density();
         let compression = Compression::of(&self.fields.densities, &self.particles.positions);
         let divergence = self.correct_divergence_error(dt);
@@ -260,11 +261,10 @@ impl Simulation {
         Error::Simulation { step: self.step, time: self.time, reason }
     }
 
-    fn find_neighbourhoods(&mut self) -> Result<(), Error> {
-        let radius = self.world.support_radius;
-        self.cells.sort(&self.particles.positions, radius, &mut self.order);
-        self.particles.reorder(&self.order, &mut self.spare);
-        self.fields.place(&self.particles, radius);
+    fn find_neighbourhoods(&mut self, dt: f64) -> Result<(), Error> {
+        self.sort();
+        self.part_fused(dt);
+        self.fields.place(&self.particles, self.world.support_radius);
         self.stages.end(|stages| &mut stages.sort);
         let bends = self.forces.iter().any(Force::needs_bends);
         let sought = Sought { with: self.discretization(), bends };
@@ -392,8 +392,28 @@ impl Simulation {
             *velocity = [x, y, z];
             *position += dt * DVec3::new(x.into(), y.into(), z.into());
         });
-        let radius = self.world.particle_radius;
-        strays::bring_back(&mut self.particles, self.boundary.inside(), &self.bodies, radius, dt);
+        let (particle_radius, particle_mass) = (self.world.particle_radius, self.particle_mass());
+        let Simulation { bodies, body_forces, boundary, particles, .. } = self;
+        let mut strays = Strays { bodies, body_forces, particle_radius, particle_mass, dt };
+        strays.bring_back(particles, boundary.inside());
+    }
+
+    fn sort(&mut self) {
+        self.cells.sort(&self.particles.positions, self.world.support_radius, &mut self.order);
+        self.particles.reorder(&self.order, &mut self.spare);
+    }
+
+    /// Parts particles that lie in each other, now and then.
+    fn part_fused(&mut self, dt: f64) {
+        if !fused::is_due(self.step) {
+            return;
+        }
+        let spacing = self.world.rest_spacing(&self.fluid);
+        let Simulation { bodies, cells, particles, world, .. } = self;
+        let pairs = fused::Pairs { cells, bodies, spacing, dimension: world.dimension };
+        if pairs.part(particles, dt) > 0 {
+            self.sort();
+        }
     }
 
     fn max_speed(&self) -> f64 {

@@ -33,7 +33,7 @@ impl Simulation {
         Ok(State {
             particles: self.particles.clone(),
             densities: self.densities().to_vec(),
-            emitters: self.emitters.iter().map(|emitter| emitter.state).collect(),
+            emitters: self.emitters.iter().map(|emitter| emitter.state.clone()).collect(),
             bodies: self.bodies.snapshot()?,
             time: self.time,
             step: self.step,
@@ -57,6 +57,9 @@ impl Simulation {
         // Cells are laid around all places: those of no number or out of all bounds must not get there.
         if !time.is_finite() || !particles.positions.iter().all(|&x| self.is_in_domain(x)) {
             return Err("its numbers are out of range".into());
+        }
+        if !self.emitters.iter().zip(&emitters).all(|(emitter, state)| emitter.can_be_in(state)) {
+            return Err("its emitters have other nozzles".into());
         }
         self.bodies.restore(&bodies)?;
         for (emitter, state) in self.emitters.iter_mut().zip(emitters) {

@@ -2,8 +2,8 @@
 //!
 //! A particle in a body is moved towards the surface and a little beyond, by its radius in every step, and keeps no
 //! velocity along the way: what pressure would make of a particle that sees nothing but wall must not shoot it out.
-//! So it gains no energy. The way out is along the normal, or, deeper than the map's band, along the shortest of 26
-//! rays.
+//! So it gains no energy, and a free body gets the momentum that it loses. The way out is along the normal, or, deeper
+//! than the map's band, along the shortest of 26 rays.
 
 use crate::bodies::Bodies;
 use crate::boundary::Inside;
@@ -16,32 +16,63 @@ const BEYOND: f64 = 0.5;
 const LONGEST_RAY: u32 = 64;
 const RAY_STEP: f64 = 1.0;
 
-/// Moves particles that are in bodies towards the surface, at the end of a step of `dt` seconds. `inside` are those
-/// at its beginning; places and velocities are new.
-pub fn bring_back<'a>(
-    particles: &mut Particles,
-    inside: impl Iterator<Item = &'a Inside>,
-    bodies: &Bodies,
-    particle_radius: f64,
-    dt: f64,
-) {
-    for &Inside { particle, body, way_out } in inside {
-        let (particle, body) = (particle as usize, body as usize);
-        let position = particles.positions[particle];
-        let Some(way) = way_out.or_else(|| shortest_way(&bodies.posed()[body], position)) else { continue };
-        let Some(direction) = way.try_normalize() else { continue };
-        let own = DVec3::from_array(particles.velocities[particle].map(f64::from));
-        let along = (own - bodies.velocity_at(body, position)).dot(direction);
-        // Never put down between the surface and there.
-        let length = match way.length() {
-            way if way <= 1.5 * particle_radius => way + BEYOND * particle_radius,
-            _ => particle_radius,
-        };
-        particles.positions[particle] = position + (length - along * dt) * direction;
-        particles.velocities[particle] = (own - along * direction).as_vec3().to_array();
-        // The next step must not begin with them: particles were seen to leave a wall at 30 m/s.
-        particles.pressures[particle] = 0.0;
-        particles.divergence_pressures[particle] = 0.0;
+/// Particles of a kind, bodies that take their momentum, and a step.
+pub struct Strays<'a> {
+    /// What the particles may be in.
+    pub bodies: &'a mut Bodies,
+    /// Force and torque on each body in this step, to which the impulses are added.
+    pub body_forces: &'a mut [[DVec3; 2]],
+    /// Metres.
+    pub particle_radius: f64,
+    /// Kilograms.
+    pub particle_mass: f64,
+    /// Seconds.
+    pub dt: f64,
+}
+
+impl Strays<'_> {
+    /// Moves particles that are in bodies towards the surface, at the end of a step. `inside` are those at its
+    /// beginning; places and velocities are new, those of the bodies still old.
+    pub fn bring_back<'a>(&mut self, particles: &mut Particles, inside: impl Iterator<Item = &'a Inside>) {
+        for &Inside { particle, body, way_out } in inside {
+            let (particle, body) = (particle as usize, body as usize);
+            let position = particles.positions[particle];
+            let way = way_out.or_else(|| shortest_way(&self.bodies.posed()[body], position));
+            let Some(direction) = way.and_then(DVec3::try_normalize) else { continue };
+            let own = DVec3::from_array(particles.velocities[particle].map(f64::from));
+            let taken = self.stop(body, position - self.dt * own, own, direction);
+            // Never put down between the surface and there.
+            let length = match way.map_or(0.0, DVec3::length) {
+                way if way <= 1.5 * self.particle_radius => way + BEYOND * self.particle_radius,
+                _ => self.particle_radius,
+            };
+            particles.positions[particle] = position + (length - taken * self.dt) * direction;
+            particles.velocities[particle] = (own - taken * direction).as_vec3().to_array();
+            // The next step must not begin with them: particles were seen to leave a wall at 30 m/s.
+            particles.pressures[particle] = 0.0;
+            particles.divergence_pressures[particle] = 0.0;
+        }
+    }
+
+    /// How much of its velocity a particle that was at `place` loses along a direction until it and the body move
+    /// alike there, m/s; the body gets the impulse at that place. As a plastic collision has it: of a light body only a
+    /// part is taken, so that no energy comes from it.
+    fn stop(&mut self, body: usize, place: DVec3, own: DVec3, direction: DVec3) -> f64 {
+        let arm = place - self.bodies.center_of_mass(body);
+        let here = |[linear, angular]: [DVec3; 2]| (linear + angular.cross(arm)).dot(direction);
+        // At the end of the step, with all that acts on the body so far.
+        let old = self.bodies.velocity_at(body, place).dot(direction);
+        let along = own.dot(direction) - (old + self.dt * here(self.bodies.acceleration(body)));
+        if !self.bodies.is_free(body) {
+            return along;
+        }
+        let gives_way = here(self.bodies.response(body, direction, arm.cross(direction)));
+        let taken = along / (1.0 + self.particle_mass * gives_way);
+        let force = self.particle_mass * taken / self.dt * direction;
+        self.bodies.apply(body, force, arm.cross(force));
+        self.body_forces[body][0] += force;
+        self.body_forces[body][1] += arm.cross(force);
+        taken
     }
 }
 

@@ -110,7 +110,7 @@ pub fn save(simulation: &Simulation, frames: u64, path: &Path, identity: &Identi
     file.put_f32("densities", simulation.densities())?;
     file.put_f64("time", &[simulation.time(), simulation.body_speed()])?;
     file.put_u64("step", &[simulation.steps(), u64::from(particles.next_id), frames])?;
-    let emitters: Vec<_> = simulation.emitters().iter().map(|emitter| emitter.state).collect();
+    let emitters: Vec<_> = simulation.emitters().iter().map(|emitter| &emitter.state).collect();
     file.put("emitters", &serde_json::to_vec(&emitters).expect("numbers"))?;
     file.put("bodies", &simulation.bodies().snapshot()?)?;
     file.finish()

@@ -49,9 +49,9 @@ pub struct FreeBody {
     pub velocity: DVec3,
     /// Angular velocity, rad/s, in the world.
     pub angular_velocity: DVec3,
-    /// Axes of the world along which the centre of mass can't move.
+    /// Axes of the world along which the centre of mass can't move: `velocity` must be 0 there.
     pub locked_translation: [bool; 3],
-    /// Axes of the world around which it can't turn.
+    /// Axes of the world around which it can't turn: `angular_velocity` must be 0 there.
     pub locked_rotation: [bool; 3],
 }
 
@@ -165,7 +165,16 @@ impl FreeBody {
         if !(weight > 0.0 && weight.is_finite()) {
             return Some(format!("a mass or density of {weight}: take more than 0"));
         }
-        let finite = self.velocity.is_finite() && self.angular_velocity.is_finite();
-        (!finite).then(|| "its velocity is not finite".into())
+        if !(self.velocity.is_finite() && self.angular_velocity.is_finite()) {
+            return Some("its velocity is not finite".into());
+        }
+        let moves = |velocity: DVec3, locked: [bool; 3]| {
+            (0..3).find(|&axis| locked[axis] && velocity[axis] != 0.0).map(|axis| ["x", "y", "z"][axis])
+        };
+        let along = moves(self.velocity, self.locked_translation)
+            .map(|axis| format!("it has a velocity along {axis}, but its translation is locked there"));
+        let about = moves(self.angular_velocity, self.locked_rotation)
+            .map(|axis| format!("it has an angular velocity about {axis}, but its rotation is locked there"));
+        along.or(about).map(|defect| defect + "; take 0, or unlock the axis")
     }
 }

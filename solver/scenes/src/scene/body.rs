@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use volmap_bake::parameters::Parameters;
 use volmap_bake::primitive::Primitive;
 use volmap_documents::{At, Checked};
+use volmap_formats::text::number;
 use volmap_runtime::Pose;
 
 /// A solid body.
@@ -94,9 +95,9 @@ pub struct FreeMotion {
     pub velocity: [f64; 3],
     /// Angular velocity at the start, rad/s.
     pub angular_velocity: [f64; 3],
-    /// World axes (x, y, z) along which it can't move.
+    /// World axes (x, y, z) along which it can't move; `velocity` is 0 there.
     pub fixed_translation: [bool; 3],
-    /// World axes (x, y, z) about which it can't turn.
+    /// World axes (x, y, z) about which it can't turn; `angular_velocity` is 0 there.
     pub fixed_rotation: [bool; 3],
 }
 
@@ -334,6 +335,20 @@ impl FreeMotion {
     fn check(&self, at: &At) -> Checked {
         at.vector("velocity", self.velocity)?;
         at.vector("angular_velocity", self.angular_velocity)?;
+        let fixed = [
+            ("velocity", self.velocity, "fixed_translation", self.fixed_translation),
+            ("angular_velocity", self.angular_velocity, "fixed_rotation", self.fixed_rotation),
+        ];
+        for (key, velocity, fixing, fixed) in fixed {
+            let moving = (0..3).find(|&axis| fixed[axis] && velocity[axis] != 0.0);
+            if let Some(axis) = moving {
+                let (name, speed) = (["x", "y", "z"][axis], number(velocity[axis]));
+                return Err(at.problem(
+                    key,
+                    format!("{speed} for {name}, which {fixing} fixes: take 0, or leave {name} free there"),
+                ));
+            }
+        }
         match (self.density, self.mass) {
             (Some(density), None) => at.positive("density", density),
             (None, Some(mass)) => at.positive("mass", mass),

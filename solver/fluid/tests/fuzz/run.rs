@@ -1,0 +1,101 @@
+//! What must hold in any scene, step by step.
+
+use crate::scene::Scene;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use volmap_fluid::observe::{kinetic_energy, momenta, velocities};
+use volmap_fluid::simulation::Simulation;
+use volmap_runtime::DVec3;
+
+/// Energy may grow by so much in a step, and in all, in parts of [`Scene::energy`].
+const GROWTH: [f64; 2] = [1e-3, 1e-2];
+/// Momentum is kept to this, in parts of what moves.
+const MOMENTUM: f64 = 1e-6;
+
+/// Mass, momentum and energy of fluid and free bodies.
+struct Sums {
+    momentum: DVec3,
+    energy: f64,
+    /// Sum of all m |v|.
+    motion: f64,
+    mass: f64,
+    fastest: f64,
+}
+
+impl Sums {
+    fn of(simulation: &Simulation, gravity: DVec3) -> Sums {
+        let (mass, bodies) = (simulation.particle_mass(), simulation.bodies());
+        let totals = bodies.totals();
+        let [momentum, _] = momenta(simulation);
+        let height: f64 = simulation.particles().positions.iter().map(|x| -gravity.dot(*x)).sum();
+        let free = (0..bodies.posed().len()).filter_map(|body| Some((body, bodies.mass(body)?.mass)));
+        let moving = |(body, mass): (usize, f64)| mass * bodies.state(body).velocity.length();
+        let speeds: Vec<f64> = velocities(simulation).map(DVec3::length).collect();
+        Sums {
+            momentum: momentum + totals.momentum,
+            energy: kinetic_energy(simulation)
+                + mass * height
+                + totals.kinetic_energy
+                + totals.potential_energy,
+            motion: mass * speeds.iter().sum::<f64>() + free.clone().map(moving).sum::<f64>(),
+            mass: mass * simulation.particles().len() as f64 + free.map(|(_, mass)| mass).sum::<f64>(),
+            fastest: speeds.into_iter().fold(0.0, f64::max),
+        }
+    }
+}
+
+/// What a scene shows that must not be; none if all is well.
+pub fn faults(seed: u64) -> Vec<String> {
+    let found = catch_unwind(AssertUnwindSafe(|| match Scene::new(seed) {
+        Ok(scene) => (scene.words.clone(), run(scene)),
+        Err(error) => (String::new(), vec![format!("it can't begin: {error}")]),
+    }));
+    match found {
+        Ok((words, faults)) => faults.into_iter().map(|fault| format!("{seed}: {fault} ({words})")).collect(),
+        Err(_) => vec![format!("{seed}: a panic")],
+    }
+}
+
+fn run(mut scene: Scene) -> Vec<String> {
+    let (mut faults, gravity) = (Vec::new(), scene.gravity);
+    let first = Sums::of(&scene.simulation, gravity);
+    let begun = scene.simulation.particles().len();
+    let (mut last, mut count, mut lowest) = (first.energy, begun, first.energy);
+    let [mut motion, mut worst_step, mut worst, mut lost, mut fastest] = [0.0_f64; 5];
+    motion = motion.max(first.motion);
+    for _ in 0..scene.steps {
+        let report = match scene.simulation.step() {
+            Ok(report) => report,
+            Err(error) => {
+                faults.push(format!("it ends: {error}"));
+                break;
+            }
+        };
+        count += report.emitted;
+        let now = Sums::of(&scene.simulation, gravity);
+        motion = motion.max(now.motion + now.mass * gravity.length() * report.dt);
+        fastest = fastest.max(now.fastest);
+        if report.removed > 0 || now.mass.is_nan() || scene.simulation.particles().len() != count {
+            faults.push("particles are lost".into());
+            break;
+        }
+        worst_step = worst_step.max((now.energy - last) / scene.energy);
+        worst = worst.max((now.energy - lowest) / scene.energy);
+        (last, lowest) = (now.energy, lowest.min(now.energy));
+        let expected = first.momentum + scene.simulation.time() * first.mass * gravity;
+        lost = lost.max(now.momentum.distance(expected) / motion);
+    }
+    let most = scene.most_speed();
+    if !scene.is_driven && worst_step > GROWTH[0] {
+        faults.push(format!("energy grows by {:.3} % in a step", 100.0 * worst_step));
+    }
+    if !scene.is_driven && worst > GROWTH[1] {
+        faults.push(format!("energy grows by {:.3} % in all", 100.0 * worst));
+    }
+    if !scene.has_ground && !scene.emits && lost > MOMENTUM {
+        faults.push(format!("{lost:.1e} of the momentum are lost"));
+    }
+    if fastest.is_nan() || fastest > most {
+        faults.push(format!("a particle has {fastest:.1} m/s, more than {most:.1}"));
+    }
+    faults
+}
