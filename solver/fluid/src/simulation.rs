@@ -3,6 +3,7 @@
 use crate::blocks::TooDense;
 use crate::bodies::Bodies;
 use crate::boundary::Boundary;
+use crate::boundary::pressed::Pinched;
 use crate::boundary::pressure::{self, Extrapolation, WallPressure};
 use crate::cells::Cells;
 use crate::compression::Compression;
@@ -74,14 +75,6 @@ impl Goal {
             Goal::Density => &solver.density,
         }
     }
-
-    /// Where the next solve begins.
-    fn pressures(self, particles: &mut Particles) -> &mut Vec<f32> {
-        match self {
-            Goal::Divergence => &mut particles.divergence_pressures,
-            Goal::Density => &mut particles.pressures,
-        }
-    }
 }
 
 /// What a step was like.
@@ -109,6 +102,8 @@ pub struct StepReport {
     pub removed: usize,
     /// Particles whose centres were in a body.
     pub inside: usize,
+    /// Particles that walls press together with no way out, and the worst place.
+    pub pinched: Pinched,
     /// Particles that a body is near.
     pub near_bodies: usize,
     /// Wall-clock times.
@@ -190,6 +185,7 @@ impl Simulation {
         self.find_neighbourhoods()?;
         self.compute_density();
         let compression = Compression::of(&self.fields.densities, &self.particles.positions);
+        let pinched = Pinched::of(&self.boundary, &self.particles.positions);
         let divergence = self.correct_divergence_error(dt);
         let viscosity = self.add_non_pressure(dt);
         let density = self.correct_density_error(dt);
@@ -211,6 +207,7 @@ impl Simulation {
             held,
             removed,
             inside: self.boundary.inside().count(),
+            pinched,
             near_bodies: self.boundary.of_particle.iter().filter(|wall| wall.density != 0.0).count(),
             stages: self.stages,
         })
@@ -341,18 +338,20 @@ impl Simulation {
             return SolveReport::default();
         }
         let mut fields = std::mem::take(&mut self.fields);
-        let mut pressures = std::mem::take(goal.pressures(&mut self.particles));
-        fields.set_pressures(&pressures, self.solver.warm_start as f32);
         let solve = self.solve(goal, dt);
         let report = match goal {
             Goal::Divergence => fields.correct_divergence(&solve),
-            Goal::Density => fields.correct_density(&solve),
+            Goal::Density => {
+                fields.set_pressures(&self.particles.pressures, self.solver.warm_start as f32);
+                fields.correct_density(&solve)
+            }
         };
         let forces = forces_on_bodies(&self.bodies, &fields, &solve, self.particle_mass());
-        pressures.copy_from_slice(&fields.pressures);
         fields::accelerate(&mut fields.velocities, &fields.accelerations, dt);
+        if goal == Goal::Density {
+            self.particles.pressures.copy_from_slice(&fields.pressures);
+        }
         self.fields = fields;
-        *goal.pressures(&mut self.particles) = pressures;
         self.push(&forces);
         report
     }
@@ -390,6 +389,7 @@ impl Simulation {
             *position += dt * DVec3::new(x.into(), y.into(), z.into());
         });
         let radius = self.world.particle_radius;
+        strays::ease(&mut self.particles, self.boundary.pressed(), radius);
         strays::bring_back(&mut self.particles, self.boundary.inside(), &self.bodies, radius, dt);
     }
 
