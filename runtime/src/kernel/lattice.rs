@@ -25,10 +25,14 @@ impl KernelKind {
         self.sum(dimension, spacing, |q| -q * self.unit_derivative(q) / count)
     }
 
-    /// Whether neighbours that come near each other are hardly pushed apart, so that a fluid's particles end up in
-    /// pairs: its slope is small in much of the kernel around the centre.
-    pub fn lets_particles_pair(self) -> bool {
-        matches!(self, KernelKind::Poly6)
+    /// The kernel whose gradient pushes particles apart where this one gives their density: itself, but for poly6, by
+    /// whose own slope they would end up in pairs, as it vanishes around the centre. Müller et al. 2003 have the spiky
+    /// kernel's with it.
+    pub fn of_gradients(self) -> KernelKind {
+        match self {
+            KernelKind::Poly6 => KernelKind::Spiky,
+            own => own,
+        }
     }
 
     fn sum(self, dimension: Dimension, spacing: f64, term: impl Fn(f64) -> f64) -> f64 {

@@ -15,6 +15,7 @@
 pub mod density_map;
 pub mod drag;
 pub mod particles;
+pub mod pressed;
 pub mod pressure;
 pub mod sampling;
 pub mod tube_map;
@@ -26,6 +27,7 @@ use crate::neighbours::Neighbours;
 use crate::settings::{BoundaryMethod, FluidSettings, World};
 use drag::Drag;
 use particles::BodyParticles;
+use pressed::{Pressed, Probe};
 use rayon::prelude::*;
 use std::sync::Arc;
 use volmap_runtime::{
@@ -83,6 +85,8 @@ pub struct Boundary {
     method: Method,
     /// What densities of the maps are multiplied by: 1 over [`World::rest_sum`].
     per_rest_sum: f64,
+    /// Relative density of a particle that is alone.
+    own_density: f32,
     blocks: Vec<BlockContacts>,
 }
 
@@ -93,7 +97,7 @@ enum Method {
     VolumeMap(Option<Closure>),
     DensityMap,
     /// One for each body.
-    Particles(Kernel, Vec<Arc<BodyParticles>>),
+    Particles(particles::Kernels, Vec<Arc<BodyParticles>>),
     TubeMap(Kernel),
 }
 
@@ -103,6 +107,7 @@ struct BlockContacts {
     contacts: Vec<Contact>,
     inside: Vec<Inside>,
     drags: Vec<Drag>,
+    pressed: Vec<Pressed>,
     scratch: Scratch,
 }
 
@@ -141,14 +146,24 @@ impl Boundary {
                 Method::DensityMap
             }
             BoundaryMethod::Particles => {
-                Method::Particles(kernel, particles::of_bodies(bodies, world, &kernel)?)
+                let all = particles::of_bodies(bodies, world, &kernel)?;
+                Method::Particles(particles::Kernels::new(kernel, world, fluid), all)
             }
             BoundaryMethod::TubeMap => Method::TubeMap(kernel),
         };
         // The volumes of boundary particles follow from the kernel's sum among themselves.
         let is_of_maps = !matches!(method, Method::Particles(..));
         let per_rest_sum = if is_of_maps { 1.0 / world.rest_sum(fluid) } else { 1.0 };
-        Ok(Boundary { of_particle: Vec::new(), kernel, method, per_rest_sum, blocks: Vec::new() })
+        let volume = fluid.volume_factor * world.particle_cube();
+        let own_density = (volume * kernel.value(0.0) / world.rest_sum(fluid)) as f32;
+        Ok(Boundary {
+            of_particle: Vec::new(),
+            kernel,
+            method,
+            per_rest_sum,
+            own_density,
+            blocks: Vec::new(),
+        })
     }
 
     /// Finds the contacts of all particles (positions in metres) with all bodies, block by block; `neighbours` are
@@ -158,6 +173,8 @@ impl Boundary {
         self.of_particle.resize(positions.len(), Wall::default());
         self.blocks.resize_with(neighbours.lists().len(), BlockContacts::default);
         let (method, kernel, scale) = (&self.method, &self.kernel, self.per_rest_sum);
+        let own = self.own_density;
+        let probe = Probe { method, bodies, scale, own, support_radius: kernel.support_radius() };
         let blocks = neighbours.with(&mut self.of_particle).zip(&mut self.blocks);
         blocks.for_each(|((lists, walls), out)| {
             let first = lists.first;
@@ -173,6 +190,8 @@ impl Boundary {
             for contact in &out.contacts {
                 walls[contact.particle as usize - first].add(contact);
             }
+            out.find_pressed(walls, own, first);
+            out.find_pinched(probe, &positions[lists.particles()], first);
         });
     }
 
@@ -199,6 +218,16 @@ impl Boundary {
     /// The contacts of a block of particles.
     pub fn contacts_of_block(&self, block: usize) -> &[Contact] {
         self.blocks.get(block).map_or(&[], |block| &block.contacts)
+    }
+
+    /// Particles that walls press, in order.
+    pub fn pressed(&self) -> impl Iterator<Item = &Pressed> {
+        self.blocks.iter().flat_map(|block| &block.pressed)
+    }
+
+    /// The same of one block.
+    pub fn pressed_of_block(&self, block: usize) -> &[Pressed] {
+        self.blocks.get(block).map_or(&[], |block| &block.pressed)
     }
 
     /// Largest speed of a body at a contact, m/s.
@@ -258,8 +287,8 @@ impl BlockContacts {
             // Without bodies there is nothing to touch.
             Method::VolumeMap(None) => {}
             Method::DensityMap => density_map::touch(pairing, scratch, contacts),
-            Method::Particles(kernel, all) => {
-                particles::touch(pairing, kernel, &all[pairing.body], contacts);
+            Method::Particles(kernels, all) => {
+                particles::touch(pairing, kernels, &all[pairing.body], contacts);
             }
             Method::TubeMap(kernel) => tube_map::touch(pairing, kernel, scratch, contacts),
         }

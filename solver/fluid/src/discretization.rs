@@ -15,6 +15,8 @@ pub struct Discretization {
     /// What the sum of V W is on the fluid's lattice at rest, by which densities and their gradients are divided:
     /// [`World::rest_sum`](crate::settings::World::rest_sum). 1 leaves them.
     pub rest_sum: f64,
+    /// What gradients are multiplied by besides: [`World::gradient_scale`](crate::settings::World::gradient_scale).
+    pub gradient_scale: f64,
     /// In how many dimensions: of the Laplacian.
     pub dimension: Dimension,
 }

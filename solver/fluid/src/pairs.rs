@@ -72,7 +72,7 @@ pub struct Density {
 pub(crate) struct Units {
     /// Sums of w to densities: V NORM / r^3 / S, with S of [`Discretization::rest_sum`].
     pub density: f32,
-    /// Sums of slope x to V grad W / S: V NORM SLOPE / r^4 / S.
+    /// Sums of slope x to V grad W / S: V SLOPE_NORM SLOPE / r^4 / S, times [`Discretization::gradient_scale`].
     pub gradient: f32,
     /// Slope x to a pair's numbers.
     pub pair: f32,
@@ -89,13 +89,14 @@ pub(crate) struct Units {
 impl Units {
     pub(crate) fn new<K: KernelLanes>(with: Discretization) -> Units {
         let radius = with.support_radius;
-        let plain = with.volume * f64::from(K::NORM) / radius.powi(3);
+        let [plain, steep] =
+            [K::NORM, K::SLOPE_NORM].map(|norm| with.volume * f64::from(norm) / radius.powi(3));
         let density = plain / with.rest_sum;
-        let gradient = density * f64::from(K::SLOPE) / radius;
+        let gradient = with.gradient_scale * (steep / with.rest_sum) * f64::from(K::SLOPE) / radius;
         let [pair, bend] = [K::STEEPEST, K::BENDIEST].map(|largest| LARGEST / largest);
         // x . x and x are in support radii, of which one is left over. The particle itself adds nothing to it.
-        let plain = plain * f64::from(K::SLOPE) / radius;
-        let laplacian = 2.0 * (with.dimension.count() as f64 + 2.0) * plain / radius;
+        let steep = steep * f64::from(K::SLOPE) / radius;
+        let laplacian = 2.0 * (with.dimension.count() as f64 + 2.0) * steep / radius;
         Units {
             density: density as f32,
             gradient: gradient as f32,

@@ -15,8 +15,6 @@ pub struct Particles {
     pub velocities: Vec<[f32; 3]>,
     /// p / (rho_0 D^2) of the density solve, m^2/s^2, D the relative density: where the next solve begins.
     pub pressures: Vec<f32>,
-    /// The same of the divergence solve.
-    pub divergence_pressures: Vec<f32>,
     /// What forces have each particle carry.
     pub channels: Channels,
     /// Names of the particles: the order in which they came.
@@ -42,7 +40,6 @@ impl Particles {
         self.positions.extend_from_slice(positions);
         self.velocities.extend_from_slice(velocities);
         self.pressures.resize(count, 0.0);
-        self.divergence_pressures.resize(count, 0.0);
         self.channels.resize(count);
         self.ids.extend((0..positions.len() as u32).map(|i| self.next_id + i));
         self.next_id += positions.len() as u32;
@@ -51,14 +48,13 @@ impl Particles {
     /// Whether all lists have one length.
     pub fn is_even(&self) -> bool {
         let count = self.len();
-        let others =
-            [self.velocities.len(), self.pressures.len(), self.divergence_pressures.len(), self.ids.len()];
+        let others = [self.velocities.len(), self.pressures.len(), self.ids.len()];
         others.iter().all(|&other| other == count) && self.channels.are_of(count)
     }
 
     /// Bytes held.
     pub fn memory_bytes(&self) -> usize {
-        let own = size_of::<DVec3>() + size_of::<[f32; 3]>() + 3 * size_of::<f32>();
+        let own = size_of::<DVec3>() + size_of::<[f32; 3]>() + 2 * size_of::<f32>();
         self.positions.capacity() * (own + self.channels.bytes_of_particle())
     }
 
@@ -68,7 +64,6 @@ impl Particles {
         reorder(&self.positions, order, &mut spare.positions);
         reorder(&self.velocities, order, &mut spare.velocities);
         reorder(&self.pressures, order, &mut spare.pressures);
-        reorder(&self.divergence_pressures, order, &mut spare.divergence_pressures);
         self.channels.reorder_into(order, &mut spare.channels);
         reorder(&self.ids, order, &mut spare.ids);
         spare.next_id = self.next_id;

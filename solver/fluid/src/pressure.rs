@@ -11,7 +11,7 @@
 
 use crate::bodies::Bodies;
 use crate::boundary::Boundary;
-use crate::boundary::pressure::{Pressures, WallPressure};
+use crate::boundary::pressure::{Pressures, Seen, WallPressure};
 use crate::coupling::{self, Motions};
 use crate::discretization::Discretization;
 use crate::fields::Fields;
@@ -39,15 +39,17 @@ const MOST_CORRECTION: f32 = 0.01;
 impl Fields {
     /// Solves for the pressures that keep the velocity from compressing the fluid; `accelerations` hold the answer.
     pub fn correct_divergence(&mut self, solve: &Solve) -> SolveReport {
+        self.pressures.clear();
+        self.pressures.resize(self.len(), 0.0);
         self.sources(solve, |density, rate, dt| (rate.max(0.0) / dt, density >= SURFACE_DENSITY));
-        self.iterate(solve)
+        self.iterate(solve, true)
     }
 
     /// Solves for the pressures that bring the density back to rest; `accelerations` hold the answer.
     pub fn correct_density(&mut self, solve: &Solve) -> SolveReport {
         let error = |density: f32| (density - 1.0).min(MOST_CORRECTION);
         self.sources(solve, |density, rate, dt| (error(density) / (dt * dt) + rate / dt, true));
-        self.iterate(solve)
+        self.iterate(solve, false)
     }
 
     /// The source of each particle, from its density, the rate at which the velocity raises it, and dt, and whether
@@ -60,8 +62,10 @@ impl Fields {
         let least = SMALLEST_FACTOR / (solve.with.support_radius * solve.with.support_radius) as f32;
         let (densities, factors, gradients) = (&self.densities, &self.factors, &self.gradients);
         let (wall_rates, body_flux, body_factors) = (&self.wall_rates, &self.body_flux, &self.body_factors);
-        let steps = solve.neighbours.split(&mut self.steps);
-        solve.neighbours.with(&mut self.sources).zip(steps).for_each(|((lists, sources), steps)| {
+        let starts = solve.neighbours.split(&mut self.pressures);
+        let steps = solve.neighbours.split(&mut self.steps).into_par_iter().zip(starts);
+        let blocks = solve.neighbours.with(&mut self.sources).zip(steps).enumerate();
+        blocks.for_each(|(block, ((lists, sources), (steps, starts)))| {
             flux(lists, velocities, gradients, sources);
             steps.copy_from_slice(&factors[lists.particles()]);
             if !body_flux.is_empty() {
@@ -71,23 +75,46 @@ impl Fields {
                     *step += bound;
                 }
             }
+            let of_fluid = solve.wall.is_more_than_own().then_some(Seen { densities, factors, gradients });
+            if let Some(seen) = of_fluid {
+                solve.wall.add_bounds(solve.boundary, block, lists.first, seen, steps);
+            }
             let own = densities[lists.particles()].iter().zip(&wall_rates[lists.particles()]);
-            for ((out, step), (density, wall)) in sources.iter_mut().zip(steps).zip(own) {
+            for ((out, step), (density, wall)) in sources.iter_mut().zip(&mut *steps).zip(own) {
                 let (source, takes_part) = source(*density, *out - wall, dt);
                 // A particle alone can't be compressed.
                 *step = if takes_part && *step > least { solve.relaxation / *step } else { 0.0 };
                 *out = if takes_part { source } else { 0.0 };
             }
+            for pressed in solve.boundary.pressed_of_block(block) {
+                let within = pressed.particle as usize - lists.first;
+                let step = &mut steps[within];
+                if *step > 0.0 {
+                    *step = solve.relaxation / (solve.relaxation / *step + pressed.compliance);
+                    // Of the density's error only what neighbours make of it makes a velocity.
+                    let density = densities[pressed.particle as usize];
+                    let by_neighbours = pressed.by_neighbours(density);
+                    sources[within] += source(by_neighbours, 0.0, dt).0 - source(density, 0.0, dt).0;
+                }
+            }
+            // What pressed in the last step, and doesn't in this one, must not push.
+            for (start, source) in starts.iter_mut().zip(sources) {
+                *start = if *source > 0.0 { *start } else { 0.0 };
+            }
         });
     }
 
-    /// Relaxed Jacobi steps until the mean error is small, from the pressures that are there.
-    fn iterate(&mut self, solve: &Solve) -> SolveReport {
+    /// Relaxed Jacobi steps until the mean error is small, from the pressures that are there, which may be zero.
+    fn iterate(&mut self, solve: &Solve, from_zero: bool) -> SolveReport {
         let mut report = SolveReport::default();
         loop {
-            self.accelerate_by_pressure(solve);
-            self.respond(solve);
-            report.error = self.relax(solve);
+            report.error = if from_zero && report.iterations == 0 {
+                self.relax_from_zero(solve)
+            } else {
+                self.accelerate_by_pressure(solve);
+                self.respond(solve);
+                self.relax(solve)
+            };
             report.iterations += 1;
             let good = report.error <= solve.settings.max_error;
             if good && report.iterations >= solve.settings.min_iterations
@@ -97,6 +124,22 @@ impl Fields {
             }
             std::mem::swap(&mut self.pressures, &mut self.next_pressures);
         }
+    }
+
+    /// The first Jacobi step from pressures of zero, which accelerate nothing; the mean error.
+    fn relax_from_zero(&mut self, solve: &Solve) -> f64 {
+        solve.wall.at_sites(&self.pressures, &mut self.site_pressures);
+        self.accelerations.fill([0.0; 4]);
+        let (pressures, sources, steps) = (&self.pressures, &self.sources, &self.steps);
+        self.next_pressures.resize(pressures.len(), 0.0);
+        let blocks = solve.neighbours.with(&mut self.next_pressures);
+        let of_block = |(lists, out): (&Lists, &mut [f32])| {
+            let all = lists.particles();
+            out.fill(0.0);
+            step_by(out, &pressures[all.clone()], &sources[all.clone()], &steps[all])
+        };
+        let errors: Vec<f64> = blocks.map(of_block).collect();
+        errors.iter().sum::<f64>() * solve.dt * solve.dt / pressures.len().max(1) as f64
     }
 
     /// What the free bodies' known accelerations are to each particle, and what giving way adds to its factor.
@@ -150,14 +193,18 @@ impl Fields {
         let (pressures, body_flux) = (&self.pressures, &self.body_flux);
         let (sources, steps) = (&self.sources, &self.steps);
         self.next_pressures.resize(pressures.len(), 0.0);
-        let blocks = solve.neighbours.with(&mut self.next_pressures);
+        let blocks = solve.neighbours.with(&mut self.next_pressures).enumerate();
         let errors: Vec<f64> = blocks
-            .map(|(lists, out)| {
+            .map(|(block, (lists, out))| {
                 flux(lists, accelerations, gradients, out);
                 if !body_flux.is_empty() {
                     for (change, bodies) in out.iter_mut().zip(&body_flux[lists.particles()]) {
                         *change -= bodies;
                     }
+                }
+                for pressed in solve.boundary.pressed_of_block(block) {
+                    let particle = pressed.particle as usize;
+                    out[particle - lists.first] -= pressed.compliance * pressures[particle];
                 }
                 step_by(
                     out,

@@ -10,6 +10,10 @@
 //! V / S = 1 / sum of W for a particle's volume, and what a map's integral of W says of the boundary is divided by S.
 //! Then a lattice has the rest density exactly, whatever the kernel and its support radius. Masses are rho_0 V, and
 //! viscosity and the bodies' drag, to which a particle itself adds nothing, have the plain V.
+//!
+//! The slope of poly6 vanishes around its centre: by it, particles come together in pairs, and water stands an eighth
+//! too low. Müller et al. 2003, who made it, take densities by it and forces by the spiky kernel's gradient, and so does
+//! this; scaled, so that an even compression of the lattice changes the density as fast as it really does.
 
 use crate::settings::{FluidSettings, World};
 use std::f64::consts::PI;
@@ -22,8 +26,6 @@ const AS_GOOD_AS_1: f64 = 1e-4;
 /// Stiffness of a lattice up to which the relaxation is as given: Jacobi steps of omega = 0.5, the default, converge up
 /// to 4. 2.8 of the default lattice.
 const SOFT: f64 = 3.2;
-/// How much stiffer the fluid is once its particles have paired: a pair is one neighbour of twice the weight.
-const PAIRED: f64 = 2.0;
 /// That of the default, in support radii.
 const DEFAULT_SPACING: f64 = 0.5;
 /// Waves along each axis among which the stiffest is looked for.
@@ -66,6 +68,15 @@ impl World {
         response(self.kernel, spacing) / response(KernelKind::CubicSpline, DEFAULT_SPACING)
     }
 
+    /// What gradients of [`KernelKind::of_gradients`] are multiplied by, for the density to change by them as it does
+    /// when the lattice at rest is compressed: 1 where they are the kernel's own.
+    pub fn gradient_scale(&self, fluid: &FluidSettings) -> f64 {
+        let spacing = self.rest_spacing(fluid) / self.support_radius;
+        let response = |kernel: KernelKind| kernel.lattice_response(self.dimension, spacing);
+        let of = self.kernel.of_gradients();
+        if of == self.kernel { 1.0 } else { response(self.kernel) / response(of) }
+    }
+
     /// Stiffness of the pressure solve on the lattice at rest: the largest eigenvalue of its matrix over the diagonal.
     /// Jacobi steps of omega converge where omega times it is below 2. A wave of pressure of wave vector k has
     /// ```text
@@ -87,8 +98,7 @@ impl World {
             }
         }
         // A lattice without neighbours has no pressure either.
-        let stiffness = if diagonal > 0.0 { largest / diagonal } else { 0.0 };
-        if self.kernel.lets_particles_pair() { PAIRED * stiffness } else { stiffness }
+        if diagonal > 0.0 { largest / diagonal } else { 0.0 }
     }
 
     /// The neighbours of a lattice's point: where they are, in spacings, and the kernel's gradient.
@@ -101,7 +111,7 @@ impl World {
                 for z in -depth..=depth {
                     let at = DVec3::new(x.into(), y.into(), z.into());
                     let distance = at.length();
-                    let slope = self.kernel.unit_derivative(spacing * distance);
+                    let slope = self.kernel.of_gradients().unit_derivative(spacing * distance);
                     if distance > 0.0 && slope < 0.0 {
                         out.push((at, slope / distance * at));
                     }
@@ -141,6 +151,25 @@ mod tests {
                 let product = omega * world.stiffness(&fluid);
                 assert!(omega > 0.02 && product < 1.65, "{kernel}, {radii}: {omega} {product}");
             }
+        }
+    }
+
+    #[test]
+    fn a_compressed_lattice_changes_as_its_gradients_say() {
+        for radii in [3.5, 4.0, 4.5, 5.0] {
+            let (world, fluid) = (world(KernelKind::Poly6, radii), FluidSettings::default());
+            let spacing = world.rest_spacing(&fluid) / world.support_radius;
+            // dD/dt for x' = -x / 3, by gradients of the spiky kernel; and by the density itself.
+            let by_gradients: f64 =
+                world.gradients(spacing).iter().map(|(at, gradient)| -at.dot(*gradient) / 3.0).sum();
+            let by_gradients = world.gradient_scale(&fluid) * spacing.powi(4) * by_gradients;
+            let density = |part: f64| {
+                let sum = KernelKind::Poly6.lattice_sum(Dimension::Three, part * spacing);
+                sum / part.powi(3)
+            };
+            let slope = (density(1.0 - 1e-5) - density(1.0 + 1e-5)) / (2e-5 * 3.0);
+            assert!((by_gradients / slope - 1.0).abs() < 1e-3, "{radii}: {by_gradients} {slope}");
+            assert_eq!(self::world(KernelKind::Spiky, radii).gradient_scale(&fluid), 1.0);
         }
     }
 

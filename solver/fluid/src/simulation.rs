@@ -3,6 +3,7 @@
 use crate::blocks::TooDense;
 use crate::bodies::Bodies;
 use crate::boundary::Boundary;
+use crate::boundary::pressed::Pinched;
 use crate::boundary::pressure::{self, Extrapolation, WallPressure};
 use crate::cells::Cells;
 use crate::compression::Compression;
@@ -53,6 +54,8 @@ pub struct Simulation {
     boundary: Boundary,
     /// See [`World::rest_sum`].
     rest_sum: f64,
+    /// See [`World::gradient_scale`].
+    gradient_scale: f64,
     /// See [`World::jacobi_relaxation`].
     relaxation: f64,
     extrapolation: Extrapolation,
@@ -73,14 +76,6 @@ impl Goal {
         match self {
             Goal::Divergence => &solver.divergence,
             Goal::Density => &solver.density,
-        }
-    }
-
-    /// Where the next solve begins.
-    fn pressures(self, particles: &mut Particles) -> &mut Vec<f32> {
-        match self {
-            Goal::Divergence => &mut particles.divergence_pressures,
-            Goal::Density => &mut particles.pressures,
         }
     }
 }
@@ -110,6 +105,8 @@ pub struct StepReport {
     pub removed: usize,
     /// Particles whose centres were in a body.
     pub inside: usize,
+    /// Particles that walls press together with no way out, and the worst place.
+    pub pinched: Pinched,
     /// Particles that a body is near.
     pub near_bodies: usize,
     /// Wall-clock times.
@@ -132,6 +129,7 @@ impl Simulation {
         Ok(Simulation {
             domain,
             rest_sum: world.rest_sum(&fluid),
+            gradient_scale: world.gradient_scale(&fluid),
             relaxation: world.jacobi_relaxation(&fluid, solver.relaxation),
             world,
             fluid,
@@ -191,6 +189,7 @@ impl Simulation {
         self.find_neighbourhoods(dt)?;
         self.compute_density();
         let compression = Compression::of(&self.fields.densities, &self.particles.positions);
+        let pinched = Pinched::of(&self.boundary, &self.particles.positions);
         let divergence = self.correct_divergence_error(dt);
         let viscosity = self.add_non_pressure(dt);
         let density = self.correct_density_error(dt);
@@ -212,6 +211,7 @@ impl Simulation {
             held,
             removed,
             inside: self.boundary.inside().count(),
+            pinched,
             near_bodies: self.boundary.of_particle.iter().filter(|wall| wall.density != 0.0).count(),
             stages: self.stages,
         })
@@ -345,18 +345,20 @@ impl Simulation {
             return SolveReport::default();
         }
         let mut fields = std::mem::take(&mut self.fields);
-        let mut pressures = std::mem::take(goal.pressures(&mut self.particles));
-        fields.set_pressures(&pressures, self.solver.warm_start as f32);
         let solve = self.solve(goal, dt);
         let report = match goal {
             Goal::Divergence => fields.correct_divergence(&solve),
-            Goal::Density => fields.correct_density(&solve),
+            Goal::Density => {
+                fields.set_pressures(&self.particles.pressures, self.solver.warm_start as f32);
+                fields.correct_density(&solve)
+            }
         };
         let forces = forces_on_bodies(&self.bodies, &fields, &solve, self.particle_mass());
-        pressures.copy_from_slice(&fields.pressures);
         fields::accelerate(&mut fields.velocities, &fields.accelerations, dt);
+        if goal == Goal::Density {
+            self.particles.pressures.copy_from_slice(&fields.pressures);
+        }
         self.fields = fields;
-        *goal.pressures(&mut self.particles) = pressures;
         self.push(&forces);
         report
     }
@@ -395,6 +397,7 @@ impl Simulation {
         });
         let (particle_radius, particle_mass) = (self.world.particle_radius, self.particle_mass());
         let Simulation { bodies, body_forces, boundary, particles, .. } = self;
+        strays::ease(particles, boundary.pressed(), particle_radius);
         let mut strays = Strays { bodies, body_forces, particle_radius, particle_mass, dt };
         strays.bring_back(particles, boundary.inside());
     }
@@ -431,6 +434,7 @@ impl Simulation {
             support_radius: self.world.support_radius,
             volume: self.particle_volume() * self.world.volume_in_sums(),
             rest_sum: self.rest_sum,
+            gradient_scale: self.gradient_scale,
             dimension: self.world.dimension,
         }
     }

@@ -7,6 +7,7 @@
 
 use crate::bodies::Bodies;
 use crate::boundary::Inside;
+use crate::boundary::pressed::Pressed;
 use crate::particles::Particles;
 use volmap_runtime::{DVec3, Dimension, PosedMap, Sample};
 
@@ -50,7 +51,6 @@ impl Strays<'_> {
             particles.velocities[particle] = (own - taken * direction).as_vec3().to_array();
             // The next step must not begin with them: particles were seen to leave a wall at 30 m/s.
             particles.pressures[particle] = 0.0;
-            particles.divergence_pressures[particle] = 0.0;
         }
     }
 
@@ -73,6 +73,19 @@ impl Strays<'_> {
         self.body_forces[body][0] += force;
         self.body_forces[body][1] += arm.cross(force);
         taken
+    }
+}
+
+/// Moves particles that walls press towards where they press them less, at the end of a step: by 1 % of the density at
+/// most. Velocities are left, so that nothing gains energy.
+pub fn ease<'a>(particles: &mut Particles, pressed: impl Iterator<Item = &'a Pressed>, rp: f64) {
+    for pressed in pressed.filter(|pressed| pressed.excess > 0.0 && !pressed.pinched) {
+        let gradient = DVec3::from_array(pressed.gradient.map(f64::from));
+        let square = gradient.length_squared();
+        if square > 0.0 {
+            let length = (f64::from(pressed.excess).min(0.01) / square.sqrt()).min(0.02 * rp);
+            particles.positions[pressed.particle as usize] -= length / square.sqrt() * gradient;
+        }
     }
 }
 

@@ -98,7 +98,6 @@ pub fn save(simulation: &Simulation, frames: u64, path: &Path, identity: &Identi
     file.put_points("positions", &particles.positions)?;
     file.put_f32x3("velocities", &particles.velocities)?;
     file.put_f32("pressures", &particles.pressures)?;
-    file.put_f32("divergence_pressures", &particles.divergence_pressures)?;
     for channel in particles.channels.iter() {
         let name = channel.declaration.name;
         match &channel.values {
@@ -142,7 +141,6 @@ pub fn load(simulation: &mut Simulation, path: &Path, identity: &Identity) -> Re
         positions: file.get_points("positions")?,
         velocities: file.get_f32x3("velocities")?,
         pressures: file.get_f32("pressures")?,
-        divergence_pressures: file.get_f32("divergence_pressures")?,
         channels,
         ids: file.get_u32("ids")?,
         next_id: next_id as u32,

@@ -163,19 +163,6 @@ impl Scene {
         self.world().rest_spacing(&self.fluid)
     }
 
-    /// What the user should know of its settings.
-    pub(crate) fn all_notes(&self) -> Vec<String> {
-        let mut notes = self.notes.clone();
-        if self.kernel.lets_particles_pair() {
-            notes.push(format!(
-                "kernel {}: its particles come together in pairs, so that water at rest stands up to an eighth too low \
-                 and has up to a third too little pressure; take wendland_c2, cubic_spline or spiky",
-                self.kernel
-            ));
-        }
-        notes
-    }
-
     /// Paths of its maps and meshes.
     pub(crate) fn paths_mut(&mut self) -> impl Iterator<Item = &mut PathBuf> {
         let bodies = self.bodies.iter_mut().flat_map(|body| [&mut body.map, &mut body.mesh]);

@@ -12,7 +12,7 @@ use super::{Contact, Pairing};
 use crate::bodies::Bodies;
 use crate::cells::Cells;
 use crate::error::Error;
-use crate::settings::World;
+use crate::settings::{FluidSettings, World};
 use glam::IVec3;
 use std::sync::Arc;
 use volmap_formats::mesh::TriangleMesh;
@@ -142,20 +142,35 @@ impl BodyParticles {
     }
 }
 
+/// The kernel of densities, and that of gradients with what these are multiplied by: [`World::gradient_scale`].
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Kernels {
+    density: Kernel,
+    gradient: Kernel,
+    scale: f64,
+}
+
+impl Kernels {
+    pub fn new(density: Kernel, world: &World, fluid: &FluidSettings) -> Kernels {
+        let gradient = Kernel::new(density.kind().of_gradients(), density.support_radius());
+        Kernels { density, gradient, scale: world.gradient_scale(fluid) }
+    }
+}
+
 /// Adds the contacts of a block: density V_b W_ib and gradient V_b grad W_ib of each boundary particle in reach.
 pub(super) fn touch(
     pairing: Pairing,
-    kernel: &Kernel,
+    kernels: &Kernels,
     particles: &BodyParticles,
     contacts: &mut Vec<Contact>,
 ) {
     let pose = pairing.map().pose;
     for (within, &position) in pairing.positions.iter().enumerate() {
-        particles.near(pose.to_map(position), kernel.support_radius(), |i, way, distance| {
+        particles.near(pose.to_map(position), kernels.density.support_radius(), |i, way, distance| {
             let (volume, point) = (particles.volumes[i], pose.to_world(particles.positions[i]));
             let direction = pose.rotation * (way / distance.max(f64::MIN_POSITIVE));
-            let gradient = volume * kernel.derivative(distance) * direction;
-            let contact = pairing.contact(within, volume * kernel.value(distance), gradient, point);
+            let gradient = kernels.scale * volume * kernels.gradient.derivative(distance) * direction;
+            let contact = pairing.contact(within, volume * kernels.density.value(distance), gradient, point);
             contacts.push(Contact { site: particles.first + i as u32, ..contact });
         });
     }

@@ -61,6 +61,8 @@ struct Chunk {
     factors: Vec<(u32, f32)>,
     /// The weight of the fluid between it and the site, p / rho_0.
     weights: Vec<f32>,
+    /// Of each site the sum of the absolute values of its factors.
+    bounds: Vec<f32>,
     near: Vec<Neighbour>,
 }
 
@@ -109,7 +111,7 @@ impl Extrapolation {
                     BoundaryPressure::Sph => chunk.add_sph(depth, &fluid),
                     _ => chunk.add_mls(depth),
                 }
-                chunk.starts.push(chunk.factors.len() as u32);
+                chunk.close();
             }
         });
     }
@@ -200,6 +202,14 @@ impl Chunk {
         self.starts.push(0);
         self.factors.clear();
         self.weights.clear();
+        self.bounds.clear();
+    }
+
+    /// Ends a site's factors.
+    fn close(&mut self) {
+        let first = self.starts.last().map_or(0, |&first| first as usize);
+        self.bounds.push(self.factors[first..].iter().map(|(_, factor)| factor.abs()).sum());
+        self.starts.push(self.factors.len() as u32);
     }
 
     /// Eq. 3: p_b = (sum p_f W + g . sum rho_f (x_b - x_f) W) / sum W.
@@ -283,6 +293,17 @@ pub struct Pressures<'a> {
     pub sites: &'a [f32],
 }
 
+/// What a solve knows of the particles.
+#[derive(Clone, Copy)]
+pub struct Seen<'a> {
+    /// D.
+    pub densities: &'a [f32],
+    /// See [`crate::fields::Fields::factors`], 1/m^2.
+    pub factors: &'a [f32],
+    /// Gradients of D, 1/m.
+    pub gradients: &'a [Quad],
+}
+
 impl<'a> WallPressure<'a> {
     /// Of a boundary whose sites are known. `with_weight`: what is solved for carries the fluid's weight.
     pub fn new(
@@ -320,6 +341,42 @@ impl<'a> WallPressure<'a> {
     #[inline]
     fn of_site(&self, pressures: Pressures, contact: &Contact) -> f32 {
         if pressures.sites.is_empty() { 0.0 } else { self.own_part * pressures.sites[contact.site as usize] }
+    }
+
+    /// Whether the boundary has a pressure of its own.
+    pub fn is_more_than_own(&self) -> bool {
+        self.kind != BoundaryPressure::Own
+    }
+
+    /// Adds to the factors of a block's particles, the first of which is `first`, what the boundary's pressure does
+    /// beyond that of the particle at rest density: p_b has D^2 for each P, and where walls make most of a density
+    /// that is so much that Jacobi's steps would be too long. A bound: the particle's own part, and its neighbours'.
+    pub fn add_bounds(
+        &self,
+        boundary: &Boundary,
+        block: usize,
+        first: usize,
+        seen: Seen,
+        factors: &mut [f32],
+    ) {
+        let dot = |a: [f32; 3], b: Quad| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let add = |particle: usize, [x, y, z]: [f32; 3], per_pressure: f32, factors: &mut [f32]| {
+            let own = dot([x, y, z], seen.gradients[particle]).abs();
+            let others = (dot([x, y, z], [x, y, z, 0.0]) * seen.factors[particle]).sqrt();
+            factors[particle - first] += (per_pressure - 1.0).max(0.0) * (own + others);
+        };
+        if self.kind == BoundaryPressure::Mirror {
+            for particle in first..first + factors.len() {
+                let gradient = boundary.of_particle[particle].gradient;
+                add(particle, gradient, seen.densities[particle].powi(2), factors);
+            }
+            return;
+        }
+        for contact in boundary.contacts_of_block(block) {
+            let site = contact.site as usize;
+            let bound = self.extrapolation.chunks[site / CHUNK].bounds[site % CHUNK];
+            add(contact.particle as usize, contact.gradient, self.own_part * bound, factors);
+        }
     }
 
     /// Adds what the boundary's part has more than the pressure of each particle times the boundary's gradient to the
@@ -375,6 +432,7 @@ mod tests {
             support_radius: RADIUS,
             volume: 1.25e-4,
             rest_sum: 1.0,
+            gradient_scale: 1.0,
             dimension: Dimension::Three,
         };
         let gravity = DVec3::new(0.0, -10.0, 0.0);

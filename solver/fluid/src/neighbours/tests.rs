@@ -34,7 +34,14 @@ pub(crate) fn arrange(positions: &[DVec3], support_radius: f64) -> Arranged {
     let kernel = KernelKind::CubicSpline;
     arrange_with(
         positions,
-        Discretization { kernel, support_radius, volume, rest_sum: 1.0, dimension: Dimension::Three },
+        Discretization {
+            kernel,
+            support_radius,
+            volume,
+            rest_sum: 1.0,
+            gradient_scale: 1.0,
+            dimension: Dimension::Three,
+        },
     )
 }
 

@@ -1,7 +1,7 @@
 //! The kernels at eight distances, in units of the support radius: q = |x| / r.
 //!
-//! W(x) = [`KernelLanes::NORM`] / r^3 `value`; grad W(x) = NORM SLOPE / r^4 `slope` x / r. Monaghan 2005 (cubic
-//! spline), Wendland 1995, Desbrun and Gascuel 1996 (spiky), Müller et al. 2003 (poly6).
+//! W(x) = [`KernelLanes::NORM`] / r^3 `value`; grad W(x) = SLOPE_NORM SLOPE / r^4 `slope` x / r. Monaghan 2005 (cubic
+//! spline), Wendland 1995, Desbrun and Gascuel 1996 (spiky), Müller et al. 2003 (poly6, with the gradient of spiky).
 
 use super::lanes::Lanes;
 use std::f32::consts::PI;
@@ -18,6 +18,8 @@ pub(crate) trait KernelLanes {
     const NORM: f32;
     /// w(q), from q^2.
     fn value<V: Lanes>(square: V) -> V;
+    /// The norm of the kernel that `slope` is of.
+    const SLOPE_NORM: f32 = Self::NORM;
     /// What `slope` must be multiplied by.
     const SLOPE: f32;
     /// No |slope| q is greater.
@@ -117,11 +119,13 @@ impl KernelLanes for Spiky {
     }
 }
 
+// Its own slope vanishes around the centre, and particles would end up in pairs.
 impl KernelLanes for Poly6 {
     const NORM: f32 = 315.0 / 64.0 / PI;
-    const SLOPE: f32 = -6.0;
-    const STEEPEST: f32 = 0.28623;
-    const BENDIEST: f32 = 0.872;
+    const SLOPE_NORM: f32 = Spiky::NORM;
+    const SLOPE: f32 = Spiky::SLOPE;
+    const STEEPEST: f32 = Spiky::STEEPEST;
+    const BENDIEST: f32 = Spiky::BENDIEST;
 
     #[inline(always)]
     fn value<V: Lanes>(square: V) -> V {
@@ -131,7 +135,6 @@ impl KernelLanes for Poly6 {
 
     #[inline(always)]
     fn slope<V: Lanes>(square: V) -> V {
-        let a = short_of(1.0, square);
-        a * a
+        Spiky::slope(square)
     }
 }

@@ -53,6 +53,7 @@ fn with(kernel: KernelKind) -> Discretization {
         support_radius: RADIUS,
         volume: VOLUME,
         rest_sum: 1.0,
+        gradient_scale: 1.0,
         dimension: Dimension::Three,
     }
 }
@@ -141,13 +142,13 @@ impl Fluid {
 
     /// For each particle the sum of `term` over the others (index, x_ij, V W, V grad W), and of its magnitude.
     fn slow(&self, term: impl Fn(usize, usize, DVec3, f64, DVec3) -> DVec3) -> Vec<(DVec3, f64)> {
-        let kernel = Kernel::new(self.kernel, RADIUS);
+        let [kernel, steep] = [self.kernel, self.kernel.of_gradients()].map(|kind| Kernel::new(kind, RADIUS));
         let sum = |i: usize| {
             let mut sum = (DVec3::ZERO, 0.0);
             for (j, other) in self.positions.iter().enumerate().filter(|(j, _)| *j != i) {
                 let x = self.positions[i] - *other;
                 let distance = x.length();
-                let slope = x.normalize_or_zero() * kernel.derivative(distance);
+                let slope = x.normalize_or_zero() * steep.derivative(distance);
                 let term = term(i, j, x, VOLUME * kernel.value(distance), VOLUME * slope);
                 sum = (sum.0 + term, sum.1 + term.length());
             }
@@ -379,7 +380,7 @@ fn all_lanes_give_the_same_bits() {
 fn unit<K: KernelLanes>(q: [f64; LANES]) -> [[f32; LANES]; 4] {
     let squares = Plain::load(&q.map(|q| (q * q) as f32));
     let (value, slope) = K::both(squares);
-    let (norm, of_slope) = (Plain::splat(K::NORM), Plain::splat(K::NORM * K::SLOPE));
+    let (norm, of_slope) = (Plain::splat(K::NORM), Plain::splat(K::SLOPE_NORM * K::SLOPE));
     [norm * value, norm * K::value(squares), of_slope * slope, of_slope * K::slope(squares)].map(Lanes::array)
 }
 
@@ -397,7 +398,8 @@ fn unit_kernels_are_the_runtimes() {
             let [value, other_value, slope, other_slope] = lanes(q);
             assert_eq!((value, slope), (other_value, other_slope));
             for lane in 0..8 {
-                let (exact, derivative) = (kind.unit_value(q[lane]), kind.unit_derivative(q[lane]));
+                let (exact, derivative) =
+                    (kind.unit_value(q[lane]), kind.of_gradients().unit_derivative(q[lane]));
                 let scale = kind.unit_value(0.0);
                 assert!((f64::from(value[lane]) - exact).abs() < 1e-6 * scale, "{kind} at {}", q[lane]);
                 let error = (f64::from(slope[lane]) * q[lane] - derivative).abs();
@@ -444,6 +446,7 @@ fn laplacian_in_the_plane_is_that_of_the_field() {
             support_radius: RADIUS,
             volume,
             rest_sum: 1.0,
+            gradient_scale: 1.0,
             dimension: Dimension::Two,
         };
         let Arranged { positions, fields, neighbours } = arrange_with(&points, with);

@@ -114,7 +114,7 @@ fn prepare_from(scene: &Scene, library: Library) -> Result<Prepared, Error> {
     let mut files = Vec::new();
     let bodies = prepare_bodies(scene, &mut library, &mut files)?;
     let solids = prepare_solids(scene, &mut library, &mut files)?;
-    let mut notes = scene.all_notes();
+    let mut notes = scene.notes.clone();
     notes.extend(library.notes);
     let posed: Vec<PosedMap> = bodies.iter().map(PreparedBody::posed).collect();
     let particles = sources::fill(scene, &solids, &posed)?;

@@ -172,7 +172,7 @@ pub fn info(path: &Path) -> Result<SceneSummary, Error> {
     out.are_placed = scene.bodies.is_empty() && scene.domain.is_none();
     out.add_emitters(&scene);
     out.estimate(&scene, counts.iter().sum());
-    out.notes = scene.all_notes();
+    out.notes = scene.notes.clone();
     Ok(out)
 }
 

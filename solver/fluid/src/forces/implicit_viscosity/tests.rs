@@ -81,6 +81,7 @@ fn with() -> Discretization {
         support_radius: RADIUS,
         volume: VOLUME,
         rest_sum: 1.0,
+        gradient_scale: 1.0,
         dimension: Dimension::Three,
     }
 }
