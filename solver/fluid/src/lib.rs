@@ -50,6 +50,7 @@ pub mod forces;
 pub mod lattice;
 pub mod neighbours;
 pub mod observe;
+pub mod packing;
 pub mod pairs;
 pub mod particles;
 pub mod plane;

@@ -3,8 +3,10 @@
 
 use crate::assemble::assemble;
 use crate::error::Error;
+use crate::packing::pack;
 use crate::scene::memory::Limit;
 use crate::scene::sources::SourceCount;
+use crate::scene::walls::Relaxed;
 use crate::scene::{self, PreparedBody, Scene, SceneSummary, SourceFile, placement, summary};
 use std::path::Path;
 use volmap_bake::watch::Watch;
@@ -22,6 +24,21 @@ pub struct Plan {
     pub files: Vec<SourceFile>,
     /// What the user should look at.
     pub notes: Vec<String>,
+    /// Sources whose particles [`Plan::pack`] spreads.
+    relaxed: Vec<Relaxed>,
+}
+
+impl Plan {
+    /// Spreads the particles of relaxed sources, which takes as long as some hundred steps. Before the first step; a run
+    /// that goes on from a checkpoint needs none of it.
+    ///
+    /// # Errors
+    /// As [`Simulation::step`].
+    pub fn pack(&mut self, scene: &Scene, watch: &Watch) -> Result<(), Error> {
+        let notes = pack(&mut self.simulation, scene, &self.bodies, &self.relaxed, watch)?;
+        self.notes.extend(notes);
+        Ok(())
+    }
 }
 
 /// Checks a scene, opens or bakes its maps, places its particles and bodies. `end` is that of the run, seconds;
@@ -59,8 +76,9 @@ pub fn plan_within(
     let (bodies, files) = (prepared.bodies.clone(), prepared.files.clone());
     let (counts, mut notes) = (prepared.particles.counts.clone(), prepared.notes.clone());
     notes.extend(placement::notes(&bodies, scene.particle_radius, scene.domain.as_ref()));
+    let relaxed = prepared.relaxed.clone();
     let simulation = Simulation::new(assemble(scene, prepared)?)?;
-    Ok(Plan { simulation, bodies, counts, files, notes })
+    Ok(Plan { simulation, bodies, counts, files, notes, relaxed })
 }
 
 /// Reads a scene, prepares all that its run begins with, and does the first step. What a run would refuse is an error
@@ -71,6 +89,7 @@ pub fn plan_within(
 pub fn check(path: &Path, watch: &Watch, on_bake: &mut dyn FnMut(&Path)) -> Result<SceneSummary, Error> {
     let scene = scene::load(path)?;
     let mut plan = plan(&scene, scene.stop.time, watch, on_bake)?;
+    plan.pack(&scene, watch)?;
     let masses = (0..plan.bodies.len()).map(|body| plan.simulation.bodies().mass(body).copied()).collect();
     let mut summary = summary::summarize(&scene, path, &plan.bodies, &plan.counts, masses);
     summary.notes.extend(std::mem::take(&mut plan.notes));
