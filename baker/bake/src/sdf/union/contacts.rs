@@ -1,7 +1,7 @@
 //! Pairs of triangles that cross or cover each other: each leaf of the tree against the leaves after it.
 //!
-//! Boxes and planes in single precision (`coarse`), four triangles at a time, rule nearly all pairs out; `cuts` looks at
-//! the rest.
+//! Boxes and planes in single precision (`coarse`), four triangles at a time, rule nearly all pairs out; `cuts` looks
+//! at the rest.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -123,7 +123,10 @@ impl Search<'_> {
     /// The triangles of one leaf and those of another, or its own.
     fn between(&self, block: u32, other: u32, found: &mut Found) {
         let (leaf, others) = (&self.leaves[block as usize], &self.leaves[other as usize]);
-        for lane in 0..leaf.count {
+        let mut lanes = leaf.meeting(others);
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize;
+            lanes &= lanes - 1;
             let mut near = leaf.near(lane, others);
             if block == other {
                 near &= !((2 << lane) - 1);
