@@ -131,12 +131,15 @@ impl Search<'_> {
             if block == other {
                 near &= !((2 << lane) - 1);
             }
+            if near == 0 {
+                continue;
+            }
+            let one = self.triangle(block, lane);
             while near != 0 {
-                let second = near.trailing_zeros() as usize;
+                let second = self.triangle(other, near.trailing_zeros() as usize);
                 near &= near - 1;
-                let pair = [self.triangle(block, lane), self.triangle(other, second)];
-                if let Some(place) = contact(&pair, self.tolerance, &mut found.meetings) {
-                    found.met.push(pair.map(|triangle| triangle.number));
+                if let Some(place) = contact(&one, &second, self.tolerance, &mut found.meetings) {
+                    found.met.push([one.number, second.number]);
                     found.place = found.place.or(Some(place));
                 }
             }
