@@ -96,6 +96,31 @@ fn maps_come_back_to_the_bit() {
     }
 }
 
+/// The peer's distance to a container is sign (d - T), with sign = -1 for `mapInvert`: ours with -T.
+#[test]
+fn a_containers_thickness_is_the_peers_with_the_other_sign() {
+    let thickness = 0.03;
+    let settings = || MapSettings { grid: GridChoice::CellSize(0.05), ..settings() };
+    let bare = VolumeMap::from_asset(&baked("sphere.obj", settings())).unwrap();
+    let asset = baked("sphere.obj", MapSettings { invert: true, thickness: -thickness, ..settings() });
+    let ours = VolumeMap::from_asset(&asset).unwrap();
+    let mut random = Random::from_state(7);
+    let mut checked = 0;
+    while checked < 500 {
+        let x = random.point(bare.grid().origin, bare.grid().max_corner());
+        let (Sample::Near(d), Sample::Near(own)) = (bare.sample(x), ours.sample(x)) else { continue };
+        if d.distance.abs() < R {
+            let peers = -(d.distance - thickness);
+            assert!((own.distance - peers).abs() < 2e-3, "{x}: {} {peers}", own.distance);
+            checked += 1;
+        }
+    }
+    let notes = through_a_file(&asset, &ImportSettings { exterior: Some(Exterior::Solid), ..IMPORT }).notes;
+    assert!(notes.len() == 1 && notes[0].contains("a `thickness` of -T"), "{notes:?}");
+    let of_body = through_a_file(&baked("sphere.obj", settings()), &IMPORT);
+    assert!(of_body.notes.is_empty(), "{:?}", of_body.notes);
+}
+
 #[test]
 fn what_is_outside_is_told_by_the_border() {
     for invert in [false, true] {

@@ -71,7 +71,10 @@ fn a_map_goes_out_and_comes_back() {
     place.output(&["export", "back.h5", "-o", "again.cdm"]);
     assert!(place.bytes("duck.cdm") == place.bytes("again.cdm"));
     let other = ["import", "duck.cdm", "-o", "wall.h5", "--support-radius", "0.1", "--exterior", "solid"];
-    place.output(&other);
+    let told = place.command(&other).assert().success().get_output().stderr.clone();
+    let told = String::from_utf8(told).unwrap();
+    let parts = ["warning: ", "`mapInvert`", "`mapThickness`", "--invert", "a --thickness of -T"];
+    assert!(parts.iter().all(|part| told.contains(part)), "{told}");
     assert!(place.output(&["info", "wall.h5"]).contains("solid"));
 }
 

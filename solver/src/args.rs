@@ -19,7 +19,7 @@ pub enum Command {
     /// Show the contents of a scene; opens no map and bakes nothing
     Info(SceneArguments),
     /// Check that a scene can run: opens or bakes its maps and places its particles
-    Check(SceneArguments),
+    Check(CheckArguments),
     /// Write a scene to start from, with comments
     New(NewArguments),
     /// Print the JSON Schema of scene files
@@ -87,6 +87,15 @@ pub struct SceneArguments {
     /// Print JSON
     #[arg(long)]
     pub json: bool,
+}
+
+#[derive(Debug, clap::Args)]
+pub struct CheckArguments {
+    #[command(flatten)]
+    pub scene: SceneArguments,
+    /// Refuse a scene whose run would need more, as `run` does [default: no limit; bakes 4GiB]
+    #[arg(long, value_name = "BYTES")]
+    pub max_memory: Option<ByteSize>,
 }
 
 fn time(text: &str) -> Result<f64, String> {

@@ -122,6 +122,7 @@ fn runs_that_need_more_memory_than_they_may_are_refused() {
     let at = folder.path();
     sim(at, "new a.toml").assert().success();
     let error = refusal(&mut sim(at, "run a.toml -o out --max-memory 30MB"), 1);
+    assert_eq!(refusal(&mut sim(at, "check a.toml --max-memory 30MB"), 1), error);
     let said =
         ["the run would need about", "more than --max-memory, 30.0 MB", "particles", "particle_radius"];
     assert!(said.iter().all(|part| error.contains(part)), "{error}");
@@ -131,12 +132,15 @@ fn runs_that_need_more_memory_than_they_may_are_refused() {
     std::fs::write(at.join("fine.toml"), fine).unwrap();
     let error = refusal(&mut sim(at, "run fine.toml -o out --max-memory 60MB"), 1);
     assert!(error.contains("can't be baked: it would need about"), "{error}");
+    let checked = refusal(&mut sim(at, "check fine.toml --max-memory 60MB"), 1);
+    assert!(checked.contains("can't be baked: it would need about"), "{checked}");
     // An emitter's particles count as those of the start.
     sim(at, "new jet.toml --template jet").assert().success();
     let error = refusal(&mut sim(at, "run jet.toml -o out --max-memory 32MB"), 1);
     assert!(error.contains("from emitters until 1.5 s"), "{error}");
     assert!(!at.join("out").exists());
     sim(at, "run a.toml -o out --max-memory 1GiB --steps 1 -q").assert().success();
+    sim(at, "check a.toml --max-memory 1GiB").assert().success();
 }
 
 #[cfg(target_os = "linux")]

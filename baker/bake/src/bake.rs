@@ -20,6 +20,7 @@ use crate::doubt::compare_at_nodes;
 use crate::error::Error;
 use crate::input::{Input, bounds};
 use crate::maps::{Maps, compute_maps};
+use crate::mesh::topology::Topology;
 use crate::mesh::{Diagnosis, OrientationRepair, Prepared, prepare};
 use crate::plan::{Extent, Plan, plan};
 pub use crate::recipe::BakeSettings;
@@ -61,6 +62,7 @@ pub struct PlannedBake {
     settings: BakeSettings,
     repair: OrientationRepair,
     diagnosis: Diagnosis,
+    topology: Topology,
     extent: Extent,
     cells: Cells,
     clock: Clock,
@@ -81,7 +83,7 @@ enum Cells {
 pub fn plan_bake(mut input: Input, settings: &BakeSettings, watch: &Watch) -> Result<PlannedBake, Error> {
     let clock = Clock::default();
     clock.beside(watch).step(Stage::Mesh.step())?;
-    let Prepared { repair, mut diagnosis, .. } = prepare(&mut input.mesh, settings.keep_orientation);
+    let Prepared { topology, repair, mut diagnosis } = prepare(&mut input.mesh, settings.keep_orientation);
     if let Some(shape) = input.placed_shape.filter(|placed| !placed.shape().is_unbounded()) {
         (diagnosis.volume, diagnosis.area) = (shape.shape().volume(), shape.area());
     }
@@ -98,7 +100,8 @@ pub fn plan_bake(mut input: Input, settings: &BakeSettings, watch: &Watch) -> Re
             Cells::Planned(plan(&extent, &settings.map).map_err(|error| lengths.explain(error))?)
         }
     };
-    Ok(PlannedBake { input, settings: settings.clone(), repair, diagnosis, extent, cells, clock })
+    let settings = settings.clone();
+    Ok(PlannedBake { input, settings, repair, diagnosis, topology, extent, cells, clock })
 }
 
 impl PlannedBake {
@@ -134,12 +137,14 @@ impl PlannedBake {
     ///
     /// # Errors
     /// A tolerance that can't be reached; a band that is empty or too large; cancelled.
-    pub fn run(self, watch: &Watch) -> Result<Bake, Error> {
+    pub fn run(mut self, watch: &Watch) -> Result<Bake, Error> {
         let map = &self.settings.map;
         let watch = &self.clock.beside(watch);
         // Phi, Eq. 10.
         watch.step(Stage::Tree.step())?;
-        let mesh = MeshDistance::new(&self.input.mesh, self.settings.sign, &self.diagnosis);
+        let (sign, topology) = (self.settings.sign, std::mem::take(&mut self.topology));
+        let mesh = MeshDistance::with_topology(&self.input.mesh, &topology, sign, &self.diagnosis);
+        drop(topology);
         let shape = self.input.placed_shape;
         let phi = BoundaryDistance { mesh, shape, invert: map.invert, thickness: map.thickness };
         // The cells of the band, Phi and V there: section 5, Eq. 12.

@@ -2,6 +2,7 @@
 
 use crate::doubt::{MAX_SIGN_DISAGREEMENTS, has_solid};
 use crate::maps::Maps;
+use crate::mesh::diagnosis::Defect;
 use crate::recipe::BakeSettings;
 use crate::sdf::Overlaps;
 use crate::summary::Summary;
@@ -54,41 +55,24 @@ fn mesh_warnings(summary: &Summary, out: &mut Vec<String>) {
     if let Some(hole) = found.boundary_loops.first() {
         let [x, y, z] = hole.centroid;
         out.push(format!(
-            "the mesh is open: {} rim{}, the longest {} m long around ({}, {}, {}); close it, or \
-             check the sign there",
-            found.boundary_loop_count,
-            plural(found.boundary_loop_count),
+            "the mesh is open: {}, the longest {} m long around ({}, {}, {}); close it, or check the sign there",
+            counted(found.boundary_loop_count, "rim"),
             digits(hole.length),
             digits(x),
             digits(y),
             digits(z)
         ));
     }
-    if found.non_manifold_edges.count > 0 {
-        let n = found.non_manifold_edges.count;
-        out.push(format!(
-            "{n} edge{} with more than two faces{}",
-            plural(n),
-            place(&found.non_manifold_edges.places)
-        ));
-    }
-    if found.misoriented_edges.count > 0 {
-        let n = found.misoriented_edges.count;
-        let places = place(&found.misoriented_edges.places);
-        out.push(format!("{n} edge{} whose faces don't run the same way round{places}", plural(n)));
-    }
+    let defect = |found: &Defect, thing: &str, what: &str| {
+        (found.count > 0).then(|| format!("{} {what}{}", counted(found.count, thing), place(&found.places)))
+    };
+    out.extend(defect(&found.non_manifold_edges, "edge", "with more than two faces"));
+    out.extend(defect(&found.misoriented_edges, "edge", "whose faces don't run the same way round"));
     let flipped = summary.repair.flipped_triangles;
     if flipped > 0 {
-        out.push(format!("flipped {flipped} triangle{} to a consistent orientation", plural(flipped)));
+        out.push(format!("flipped {} to a consistent orientation", counted(flipped, "triangle")));
     }
-    if found.nested_solids.count > 0 {
-        let n = found.nested_solids.count;
-        out.push(format!(
-            "{n} part{} inside a solid; taken as solid{}",
-            plural(n),
-            place(&found.nested_solids.places)
-        ));
-    }
+    out.extend(defect(&found.nested_solids, "part", "inside a solid; taken as solid"));
 }
 
 fn overlap_warning(summary: &Summary, out: &mut Vec<String>) {
@@ -97,9 +81,9 @@ fn overlap_warning(summary: &Summary, out: &mut Vec<String>) {
     let area = significant(*hidden_area, 3);
     if *certain && *hidden > 0 {
         out.push(format!(
-            "parts overlap: {hidden} triangle{} {} inside the solid, in whole or in part ({area} m^2{at}), and {} no \
-             surface there: distance and volume are those of the union",
-            plural(*hidden),
+            "parts overlap: {} {} inside the solid, in whole or in part ({area} m^2{at}), and {} no surface there: \
+             distance and volume are those of the union",
+            counted(*hidden, "triangle"),
             if *hidden == 1 { "lies" } else { "lie" },
             if *hidden == 1 { "is" } else { "are" }
         ));
@@ -107,14 +91,14 @@ fn overlap_warning(summary: &Summary, out: &mut Vec<String>) {
         let left_out = match hidden {
             0 => "all still count as surface".to_owned(),
             n => format!(
-                "of {n} triangle{}, what surely does is left out ({area} m^2), others may still count as surface",
-                plural(*n)
+                "of {}, what surely does is left out ({area} m^2), others may still count as surface",
+                counted(*n, "triangle")
             ),
         };
         out.push(format!(
-            "parts overlap: {pairs} pair{} of triangles cross or cover each other{at}, and the mesh is open, so what \
-             lies inside can't be told for certain: {left_out}; close the mesh",
-            plural(*pairs)
+            "parts overlap: {} of triangles cross or cover each other{at}, and the mesh is open, so what lies inside \
+             can't be told for certain: {left_out}; close the mesh",
+            counted(*pairs, "pair")
         ));
     }
 }
@@ -134,11 +118,11 @@ fn size_warnings(summary: &Summary, settings: &BakeSettings, out: &mut Vec<Strin
             false => "",
         };
         out.push(format!(
-            "{what} than a cell ({} m): a line of the grid goes through one some {} time{}, the thinnest {} m \
-             wide{}; {result}; cells of that size resolve them (`cell_size`){cure}",
+            "{what} than a cell ({} m): a line of the grid goes through one some {} {}, the thinnest {} m wide{}; \
+             {result}; cells of that size resolve them (`cell_size`){cure}",
             number(cell),
             thousands(thin.count as u64),
-            plural(thin.count),
+            things(thin.count, "time"),
             significant(thin.width, 2),
             place(&thin.places)
         ));
@@ -215,8 +199,13 @@ fn digits(length: f64) -> String {
     significant(length, 4)
 }
 
-fn plural(n: usize) -> &'static str {
-    if n == 1 { "" } else { "s" }
+/// "1 edge", "2 edges".
+fn counted(n: usize, thing: &str) -> String {
+    format!("{n} {}", things(n, thing))
+}
+
+fn things(n: usize, thing: &str) -> String {
+    format!("{thing}{}", if n == 1 { "" } else { "s" })
 }
 
 fn place(places: &[[f64; 3]]) -> String {

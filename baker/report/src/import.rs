@@ -55,7 +55,6 @@ pub fn import(path: &Path, settings: &ImportSettings) -> Result<Import, Error> {
     let grid = cdm::from_bytes(&bytes).map_err(|error| refuse(error.to_string()))?;
     let mut import = from_grid(&grid, settings).map_err(refuse)?;
     VolumeMap::from_asset(&import.asset)?;
-    import.notes.extend(other_thickness(&import.asset));
     let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let hash = blake3::hash(&bytes).to_hex().to_string();
     import.asset.source.extend([("file".to_owned(), file.into()), ("blake3".to_owned(), hash.into())]);
@@ -117,7 +116,8 @@ pub fn from_grid(grid: &DiscreteGrid, settings: &ImportSettings) -> Result<Impor
         ]),
         diagnosis: text([("warnings", &warnings.join("\n"))]),
     };
-    Ok(Import { asset, warnings, notes: Vec::new() })
+    let notes = other_thickness(&asset).into_iter().collect();
+    Ok(Import { asset, warnings, notes })
 }
 
 /// The program moves the surface out of the mesh, and inverts what comes of it.

@@ -2,10 +2,13 @@
 //! HDF5 File Format Specification, version 3, "Data Storage - Filter Pipeline Message".
 //!
 //! Shuffle and Fletcher-32 are ours for reading, too: the plain loops of the HDF5 crate would take most of the time
-//! of opening an asset. Here they are written so that the compiler makes vector code of them.
+//! of opening an asset. Here they are written so that the compiler makes vector code of them. zlib is called by itself:
+//! that crate's way to it takes three times as long.
 
 #[cfg(feature = "write")]
 use rayon::prelude::*;
+#[cfg(feature = "write")]
+use std::cell::RefCell;
 
 /// Groups the bytes of the elements by significance: all first bytes, then all second ones.
 #[cfg(feature = "write")]
@@ -97,12 +100,23 @@ pub fn deflate(bytes: &[u8], level: u32, element_size: usize) -> std::io::Result
 /// then is less than 1 % to gain.
 #[cfg(feature = "write")]
 fn is_noise(bytes: &[u8]) -> bool {
-    let mut counts = [0u64; 256];
-    bytes.iter().for_each(|&byte| counts[usize::from(byte)] += 1);
-    let pairs: u64 = counts.iter().map(|count| count * count).sum();
     let n = bytes.len() as u64;
-    let runs = bytes.windows(2).filter(|pair| pair[0] == pair[1]).count() as u64;
-    n >= 4096 && 10 * 256 * pairs < 11 * n * n && 128 * runs < n
+    n >= 4096 && 128 * runs(bytes) < n && {
+        let mut counts = [0u64; 256];
+        bytes.iter().for_each(|&byte| counts[usize::from(byte)] += 1);
+        let pairs: u64 = counts.iter().map(|count| count * count).sum();
+        10 * 256 * pairs < 11 * n * n
+    }
+}
+
+/// How many bytes are equal to the one before; counted in bytes as long as these can't overflow, so that the compiler
+/// makes vector code of it.
+#[cfg(feature = "write")]
+fn runs(bytes: &[u8]) -> u64 {
+    let before = bytes.chunks(255);
+    let after = bytes.get(1..).unwrap_or_default().chunks(255);
+    let count = |(a, b): (&[u8], &[u8])| -> u8 { a.iter().zip(b).map(|(a, b)| u8::from(a == b)).sum() };
+    before.zip(after).map(|pair| u64::from(count(pair))).sum()
 }
 
 /// Stored blocks (RFC 1951, section 3.2.4).
@@ -123,13 +137,46 @@ fn compress(bytes: &[u8], level: u32, out: &mut Vec<u8>) -> std::io::Result<()> 
     const FLUSH: usize = 16;
     let start = out.len();
     out.resize(start + zlib_rs::compress_bound(bytes.len()) + FLUSH, 0);
-    let mut encoder = zlib_rs::Deflate::new(level as i32, false, 15);
-    let result = encoder.compress(bytes, &mut out[start..], zlib_rs::DeflateFlush::SyncFlush);
-    if result.is_err() || encoder.total_in() != bytes.len() as u64 {
-        return Err(std::io::Error::other("zlib: the compressor failed"));
-    }
-    out.truncate(start + encoder.total_out() as usize);
+    let length = ENCODER.with_borrow_mut(|kept| {
+        // A new one clears more memory than compressing a group takes.
+        let encoder = match kept {
+            Some((same, encoder)) if *same == level => {
+                encoder.reset();
+                encoder
+            }
+            _ => &mut kept.insert((level, zlib_rs::Deflate::new(level as i32, false, 15))).1,
+        };
+        let result = encoder.compress(bytes, &mut out[start..], zlib_rs::DeflateFlush::SyncFlush);
+        let is_whole = result.is_ok() && encoder.total_in() == bytes.len() as u64;
+        is_whole.then_some(encoder.total_out() as usize)
+    });
+    out.truncate(start + length.ok_or_else(|| std::io::Error::other("zlib: the compressor failed"))?);
     Ok(())
+}
+
+#[cfg(feature = "write")]
+thread_local! {
+    /// A thread's compressor and its level.
+    static ENCODER: RefCell<Option<(u32, zlib_rs::Deflate)>> = const { RefCell::new(None) };
+}
+
+/// Undoes [`deflate`], as any zlib stream; `None` if it is damaged, or holds more than `most` bytes.
+pub fn inflate(bytes: &[u8], most: usize) -> Option<Vec<u8>> {
+    let mut decoder = zlib_rs::Inflate::new(true, 15);
+    let mut out = Vec::new();
+    loop {
+        let start = decoder.total_out() as usize;
+        // Twice as much as the stream, then as much again; one byte more than may be tells what holds more.
+        out.resize((start + start.max(2 * bytes.len().max(4096))).min(most + 1), 0);
+        let input = &bytes[decoder.total_in() as usize..];
+        match decoder.decompress(input, &mut out[start..], zlib_rs::InflateFlush::NoFlush).ok()? {
+            zlib_rs::Status::StreamEnd => break,
+            _ if decoder.total_out() as usize == out.len() && out.len() <= most => {}
+            _ => return None,
+        }
+    }
+    out.truncate(decoder.total_out() as usize);
+    (out.len() <= most).then_some(out)
 }
 
 /// Words that are summed side by side, and steps that can't overflow 32 bits: 65,535 (1 + ... + 256) < 2^32.
@@ -192,6 +239,40 @@ mod tests {
         for bytes in [vec![0xFF; 20_000], vec![0; 20_000], vec![0xFF, 0xFF], vec![0xFF, 0xFE, 0, 1]] {
             assert_eq!(fletcher32(&bytes), hdf5_reader::checksum::fletcher32(&bytes));
         }
+    }
+
+    /// Streams of any length, and of another program's; what is damaged, cut or too long is refused.
+    #[test]
+    fn inflate_is_the_hdf5_crates() {
+        let noise = |i: u32| (i.wrapping_mul(2_654_435_761) >> 13) as u8;
+        for len in [0, 1, 5000, 65_536, 300_000] {
+            for bytes in [
+                vec![7; len as usize],
+                (0..len).map(noise).collect(),
+                (0..len).map(|i| (i / 99) as u8).collect(),
+            ] {
+                let packed = deflate(&bytes, 1, 8).unwrap();
+                assert_eq!(hdf5_reader::filters::deflate::decompress(&packed).unwrap(), bytes);
+                assert_eq!(inflate(&packed, bytes.len()).as_ref(), Some(&bytes), "{len}");
+                assert_eq!(inflate(&packed, 1 << 20).as_ref(), Some(&bytes));
+                assert_eq!(inflate(&packed[..packed.len() - 1], 1 << 20), None);
+                assert_eq!(inflate(&packed, bytes.len().saturating_sub(1)).is_none(), len > 0);
+                let mut damaged = packed.clone();
+                *damaged.last_mut().unwrap() ^= 1;
+                assert_eq!(inflate(&damaged, 1 << 20), None);
+            }
+        }
+        assert_eq!(inflate(b"", 100), None);
+    }
+
+    #[test]
+    fn runs_are_counted() {
+        for len in [0, 1, 2, 254, 255, 256, 257, 510, 511, 1000] {
+            let bytes: Vec<u8> = (0..len).map(|i| (i / 3 * i % 7) as u8).collect();
+            let expected = bytes.windows(2).filter(|pair| pair[0] == pair[1]).count();
+            assert_eq!(runs(&bytes), expected as u64, "{len}");
+        }
+        assert_eq!(runs(&[9; 2000]), 1999);
     }
 
     #[test]

@@ -4,11 +4,11 @@
 //! compared before it is returned.
 
 use super::error::{AssetError, printable};
-use super::filters::{fletcher32, unshuffle};
+use super::filters::{fletcher32, inflate, unshuffle};
 use super::rounded::Rounded;
 use super::tree::{Array, Attributes, Dataset, MAX_ERROR, STEP, Tree, Value};
 use hdf5_reader::error::Error as Hdf5Error;
-use hdf5_reader::filters::{self, FilterRegistry, deflate};
+use hdf5_reader::filters::{self, FilterRegistry};
 use hdf5_reader::{Attribute, Datatype, Hdf5File, OpenOptions, dataset};
 use std::panic::resume_unwind;
 use std::thread;
@@ -97,7 +97,10 @@ fn filter_registry() -> FilterRegistry {
     );
     registry.register(
         filters::FILTER_DEFLATE,
-        Box::new(|_, data, _| deflate::decompress_with_limit(data, MAX_CHUNK_BYTES)),
+        Box::new(|_, data, _| {
+            let damaged = || Hdf5Error::FilterError("zlib: the chunk is damaged".into());
+            inflate(data, MAX_CHUNK_BYTES).ok_or_else(damaged)
+        }),
     );
     registry.register(
         filters::FILTER_SHUFFLE,

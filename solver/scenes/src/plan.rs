@@ -109,14 +109,19 @@ fn unlike_masses(simulation: &Simulation) -> Option<String> {
     })
 }
 
-/// Reads a scene, prepares all that its run begins with, and does the first step. What a run would refuse is an error
-/// here.
+/// Reads a scene, prepares all that its run begins with, and does the first step. What a run would refuse that may need
+/// so much memory (bytes; none: any number) is an error here.
 ///
 /// # Errors
-/// As [`scene::load`], [`plan()`] and [`Simulation::step`].
-pub fn check(path: &Path, watch: &Watch, on_bake: &mut dyn FnMut(&Path)) -> Result<SceneSummary, Error> {
+/// As [`scene::load`], [`plan_within`] and [`Simulation::step`].
+pub fn check(
+    path: &Path,
+    max_memory: Option<u64>,
+    watch: &Watch,
+    on_bake: &mut dyn FnMut(&Path),
+) -> Result<SceneSummary, Error> {
     let scene = scene::load(path)?;
-    let mut plan = plan(&scene, scene.stop.time, watch, on_bake)?;
+    let mut plan = plan_within(&scene, scene.stop.time, max_memory, watch, on_bake)?;
     plan.pack(&scene, watch)?;
     let masses = (0..plan.bodies.len()).map(|body| plan.simulation.bodies().mass(body).copied()).collect();
     let mut summary = summary::summarize(&scene, path, &plan.bodies, &plan.counts, masses);

@@ -69,7 +69,7 @@ fn bodies(scene: &Scene) -> Bodies {
 fn checked(folder: &TempDir, scene: &Scene) -> SceneSummary {
     let path = folder.path().join("scene.json");
     std::fs::write(&path, serde_json::to_string(scene).unwrap()).unwrap();
-    plan::check(&path, &Default::default(), &mut |_| ()).unwrap()
+    plan::check(&path, None, &Default::default(), &mut |_| ()).unwrap()
 }
 
 /// The file in the cache that a body was baked into.

@@ -49,8 +49,8 @@ pub struct Edge<'a> {
     pub sides: &'a [HalfEdge],
 }
 
-/// All edges of a mesh.
-#[derive(Clone, Debug, PartialEq)]
+/// All edges of a mesh; by default of one without triangles.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Topology {
     half_edges: Vec<HalfEdge>,
     /// The vertices of each edge.

@@ -67,6 +67,16 @@ impl MeshDistance {
     /// Prepares a mesh of at least one triangle with finite coordinates and valid indices (panics
     /// otherwise), and its diagnosis, which decides where `sign` is `Auto`.
     pub fn new(mesh: &TriangleMesh, sign: SignMethod, diagnosis: &Diagnosis) -> MeshDistance {
+        MeshDistance::with_topology(mesh, &Topology::new(mesh), sign, diagnosis)
+    }
+
+    /// The same of a mesh whose edges are known.
+    pub fn with_topology(
+        mesh: &TriangleMesh,
+        topology: &Topology,
+        sign: SignMethod,
+        diagnosis: &Diagnosis,
+    ) -> MeshDistance {
         let corners = corners_of(mesh);
         let bvh = Bvh::new(&corners);
         let choice = match sign {
@@ -75,7 +85,7 @@ impl MeshDistance {
         };
         let winding = WindingNumbers::new(&bvh);
         let balanced = diagnosis.balanced;
-        let arrangement = Arrangement { mesh, corners: &corners, bvh: &bvh, winding: &winding, balanced };
+        let arrangement = Arrangement { topology, corners: &corners, bvh: &bvh, winding: &winding, balanced };
         let (overlaps, surface) = arrangement.union(diagnosis.nested_solids.count > 0);
         let with_tree = |surface: UnionSurface| {
             let tree = tree_of_union(&bvh, &corners, &surface);

@@ -89,17 +89,19 @@ fn measure(point: DVec3, phi: &BoundaryDistance, cell: f64) -> Option<Measured> 
 
 /// Nodes at folds of the distance that are no deeper than half a cell.
 fn folds(grid: &Grid, nodes: &Nodes, distances: &[f64]) -> Vec<DVec3> {
-    let mut found = Vec::new();
-    for (family, axis) in FAMILIES {
+    let along = |(family, axis): (Family, usize)| {
         // By the lower end of each edge, the first of its two inner nodes.
         let mut thirds = vec![NONE; nodes.count_of(Family::Corner)];
         for_each_edge(nodes, family, axis, |edge| thirds[edge.lower as usize] = edge.third);
         let line = Line { grid, axis, distances };
+        let mut found = Vec::new();
         for_each_edge(nodes, family, axis, |edge| {
             found.extend(line.fold(&edge, thirds[edge.upper as usize]))
         });
-    }
-    found
+        found
+    };
+    // In the order of the axes, whatever is done first.
+    FAMILIES.into_par_iter().map(along).collect::<Vec<_>>().concat()
 }
 
 /// No node.

@@ -59,14 +59,14 @@ pub struct Overlaps {
 /// The union's surface, where that isn't all of the mesh.
 #[derive(Clone, Debug)]
 pub struct UnionSurface {
-    /// Triangles of the mesh that lie inside the solid, entirely or in part, in increasing order, and what is left of each.
-    /// All others are the surface as they are.
+    /// Triangles of the mesh that lie inside the solid, entirely or in part, in increasing order, and what is left of
+    /// each. All others are the surface as they are.
     pub replaced: Vec<(u32, Vec<[DVec3; 3]>)>,
 }
 
 impl UnionSurface {
-    /// The triangles that are kept and the pieces that are left, of a mesh with these corners, and the number in the mesh
-    /// of each.
+    /// The triangles that are kept and the pieces that are left, of a mesh with these corners, and the number in the
+    /// mesh of each.
     pub fn triangles<'a>(
         &'a self,
         corners: &'a [[DVec3; 3]],
@@ -94,9 +94,9 @@ impl UnionSurface {
     }
 }
 
-/// A mesh with its tree and winding numbers; `balanced`: they are integers.
+/// A mesh with its edges, tree and winding numbers; `balanced`: they are integers.
 pub(super) struct Arrangement<'a> {
-    pub mesh: &'a TriangleMesh,
+    pub topology: &'a Topology,
     pub corners: &'a [[DVec3; 3]],
     pub bvh: &'a Bvh,
     pub winding: &'a WindingNumbers,
@@ -131,7 +131,7 @@ impl Arrangement<'_> {
         if contacts.pairs == 0 && !nested {
             return (overlaps, None);
         }
-        let patches = patches(&Topology::new(self.mesh), &contacts);
+        let patches = patches(self.topology, &contacts);
         let of_patches = patches.into_par_iter().map(|patch| self.hidden_of(&patch, &contacts));
         let mut hidden: Vec<Hidden> = of_patches.flatten_iter().collect();
         hidden.sort_unstable_by_key(|hidden| hidden.triangle);

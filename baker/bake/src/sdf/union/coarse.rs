@@ -16,13 +16,6 @@ pub struct Bounds {
     upper: [f32; 3],
 }
 
-impl Bounds {
-    #[inline]
-    fn meets(&self, other: &Bounds) -> bool {
-        (0..3).all(|axis| self.lower[axis] <= other.upper[axis] && other.lower[axis] <= self.upper[axis])
-    }
-}
-
 /// Boxes of the four parts below a node.
 #[derive(Clone, Copy)]
 pub struct Boxes {
@@ -82,14 +75,17 @@ impl CoarseLeaf {
         CoarseLeaf { count, bounds: boxes.joined(), boxes, each, corners, normals, offsets, margins }
     }
 
-    /// Which triangles of another leaf may meet a triangle of this one: boxes overlap, and neither lies strictly on one
-    /// side of the other's plane, but for an edge that lies in it.
+    /// Which triangles' boxes meet that of another leaf.
+    #[inline]
+    pub fn meeting(&self, other: &CoarseLeaf) -> u32 {
+        self.boxes.meeting(&other.bounds) & ((1 << self.count) - 1)
+    }
+
+    /// Which triangles of another leaf may meet a triangle of this one, whose box meets that leaf's: boxes overlap, and
+    /// neither lies strictly on one side of the other's plane, but for an edge that lies in it.
     #[inline]
     pub fn near(&self, lane: usize, other: &CoarseLeaf) -> u32 {
         let CoarseTriangle { bounds, corners, normal, offset } = &self.each[lane];
-        if !bounds.meets(&other.bounds) {
-            return 0;
-        }
         let near = other.boxes.meeting(bounds) & ((1 << other.count) - 1);
         if near == 0 {
             return 0;

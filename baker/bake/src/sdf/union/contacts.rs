@@ -1,7 +1,7 @@
 //! Pairs of triangles that cross or cover each other: each leaf of the tree against the leaves after it.
 //!
-//! Boxes and planes in single precision (`coarse`), four triangles at a time, rule nearly all pairs out; `cuts` looks at
-//! the rest.
+//! Boxes and planes in single precision (`coarse`), four triangles at a time, rule nearly all pairs out; `cuts` looks
+//! at the rest.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -123,17 +123,23 @@ impl Search<'_> {
     /// The triangles of one leaf and those of another, or its own.
     fn between(&self, block: u32, other: u32, found: &mut Found) {
         let (leaf, others) = (&self.leaves[block as usize], &self.leaves[other as usize]);
-        for lane in 0..leaf.count {
+        let mut lanes = leaf.meeting(others);
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize;
+            lanes &= lanes - 1;
             let mut near = leaf.near(lane, others);
             if block == other {
                 near &= !((2 << lane) - 1);
             }
+            if near == 0 {
+                continue;
+            }
+            let one = self.triangle(block, lane);
             while near != 0 {
-                let second = near.trailing_zeros() as usize;
+                let second = self.triangle(other, near.trailing_zeros() as usize);
                 near &= near - 1;
-                let pair = [self.triangle(block, lane), self.triangle(other, second)];
-                if let Some(place) = contact(&pair, self.tolerance, &mut found.meetings) {
-                    found.met.push(pair.map(|triangle| triangle.number));
+                if let Some(place) = contact(&one, &second, self.tolerance, &mut found.meetings) {
+                    found.met.push([one.number, second.number]);
                     found.place = found.place.or(Some(place));
                 }
             }

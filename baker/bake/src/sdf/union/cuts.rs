@@ -31,15 +31,15 @@ pub struct Meetings {
 }
 
 /// A triangle with its plane, and how far the other's corners are from it: 0 to rounding.
-struct Side {
-    triangle: Triangle,
+struct Side<'a> {
+    triangle: &'a Triangle,
     normal: DVec3,
     /// Distances of this triangle's corners from the other's plane.
     distances: [f64; 3],
 }
 
 /// A point where two triangles cross or cover each other, if they do, and what that does to them.
-pub fn contact([a, b]: &[Triangle; 2], tolerance: f64, found: &mut Meetings) -> Option<DVec3> {
+pub fn contact(a: &Triangle, b: &Triangle, tolerance: f64, found: &mut Meetings) -> Option<DVec3> {
     if are_neighbours(a, b, tolerance) {
         return None;
     }
@@ -47,9 +47,8 @@ pub fn contact([a, b]: &[Triangle; 2], tolerance: f64, found: &mut Meetings) -> 
     if normal_a == DVec3::ZERO || normal_b == DVec3::ZERO {
         return None;
     }
-    let a = Side { triangle: *a, normal: normal_a, distances: distances(a, b, normal_b, tolerance) };
-    let b =
-        Side { triangle: *b, normal: normal_b, distances: distances(b, &a.triangle, normal_a, tolerance) };
+    let a = Side { triangle: a, normal: normal_a, distances: distances(a, b, normal_b, tolerance) };
+    let b = Side { triangle: b, normal: normal_b, distances: distances(b, a.triangle, normal_a, tolerance) };
     if a.is_flat() || b.is_flat() {
         return covering(&a, &b, tolerance, found);
     }
@@ -70,7 +69,7 @@ fn are_neighbours(a: &Triangle, b: &Triangle, tolerance: f64) -> bool {
     distance * distance > tolerance * tolerance * normal.length_squared()
 }
 
-impl Side {
+impl Side<'_> {
     fn is_flat(&self) -> bool {
         self.distances == [0.0; 3]
     }
