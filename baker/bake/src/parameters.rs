@@ -166,7 +166,7 @@ parameters! {
         describe: |baked| vec![("padding", baked.settings.map.padding.into())],
     }
 
-    /// Swap inside and outside: for containers, whose fluid is inside
+    /// Swap inside and outside: for containers, whose fluid is inside; `thickness` is that of the walls then
     invert: bool {
         apply: |recipe, invert| recipe.bake.map.invert = invert,
         placeholder: "BOOL",
@@ -175,7 +175,8 @@ parameters! {
         describe: |baked| vec![("invert", baked.settings.map.invert.into())],
     }
 
-    /// Thicken the solid by this much, or thin it if this is negative
+    /// Thicken the solid by this much, or thin it if this is negative; a container's hollow becomes smaller by it,
+    /// where SPlisHSPlasH's mapThickness makes one with mapInvert larger
     thickness: f64 {
         apply: |recipe, length| recipe.bake.map.thickness = length,
         unit: "metres",

@@ -86,3 +86,11 @@ impl Default for MapSettings {
         }
     }
 }
+
+impl MapSettings {
+    /// How far out of the mesh the map's surface lies, metres; below 0 within it. Thickness goes out of the solid,
+    /// which is outside of the mesh if it is inverted.
+    pub fn surface_offset(&self) -> f64 {
+        if self.invert { -self.thickness } else { self.thickness }
+    }
+}

@@ -33,8 +33,10 @@ pub struct ImportSettings {
 pub struct Import {
     /// The asset, its fields of double precision.
     pub asset: Asset,
-    /// What is odd about it.
+    /// What is odd about it; the asset holds it too.
     pub warnings: Vec<String>,
+    /// What differs between the programs, if it may matter here.
+    pub notes: Vec<String>,
 }
 
 /// Reads a map of SPlisHSPlasH.
@@ -53,6 +55,7 @@ pub fn import(path: &Path, settings: &ImportSettings) -> Result<Import, Error> {
     let grid = cdm::from_bytes(&bytes).map_err(|error| refuse(error.to_string()))?;
     let mut import = from_grid(&grid, settings).map_err(refuse)?;
     VolumeMap::from_asset(&import.asset)?;
+    import.notes.extend(other_thickness(&import.asset));
     let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let hash = blake3::hash(&bytes).to_hex().to_string();
     import.asset.source.extend([("file".to_owned(), file.into()), ("blake3".to_owned(), hash.into())]);
@@ -114,7 +117,17 @@ pub fn from_grid(grid: &DiscreteGrid, settings: &ImportSettings) -> Result<Impor
         ]),
         diagnosis: text([("warnings", &warnings.join("\n"))]),
     };
-    Ok(Import { asset, warnings })
+    Ok(Import { asset, warnings, notes: Vec::new() })
+}
+
+/// The program moves the surface out of the mesh, and inverts what comes of it.
+fn other_thickness(asset: &Asset) -> Option<String> {
+    (asset.exterior == Exterior::Solid).then(|| {
+        "the outside is solid: if it was made with `mapInvert` and a `mapThickness` of T, its hollow is wider than the \
+         mesh by T on each side; to bake the same from the mesh, give `invert` and a `thickness` of -T, as ours \
+         thickens the walls"
+            .into()
+    })
 }
 
 /// A point of a cell is at most half its diagonal from a node, so a cell without a node within 2 r and that much of the

@@ -34,7 +34,8 @@ pub fn run_import(arguments: &ImportArguments) -> Result<()> {
     asset::check_target(output)?;
     let import = import::import(&arguments.map, &arguments.settings())?;
     asset::write(output, &import.asset, Compression::default())?;
-    import.warnings.iter().for_each(|warning| eprintln!("warning: {}", with_options(warning)));
+    let told = import.warnings.iter().chain(&import.notes);
+    told.for_each(|warning| eprintln!("warning: {}", with_options(warning)));
     let nodes = import.asset.volume.len() as u64;
     let file_bytes = std::fs::metadata(output)?.len();
     Ok(writeln!(io::stdout(), "{}: {} nodes ({})", output.display(), thousands(nodes), bytes(file_bytes))?)

@@ -144,7 +144,7 @@ impl Forces {
             Box::new(gravity::Gravity { acceleration: world.gravity }),
             Box::new(viscosity::Viscosity::new(fluid, world)),
             Box::new(xsph::Xsph { part: fluid.xsph }),
-            Box::new(implicit_viscosity::ImplicitViscosity::new(fluid, &solver.viscosity)),
+            Box::new(implicit_viscosity::ImplicitViscosity::new(fluid, world, &solver.viscosity)),
         ];
         list.extend(settings.list());
         list.extend(others);

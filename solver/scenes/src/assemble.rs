@@ -39,7 +39,7 @@ fn description(body: &PreparedBody) -> BodyDescription {
     BodyDescription {
         name: body.name.clone(),
         map: body.map.clone(),
-        mesh: body.mesh.clone(),
+        mesh: body.surface.mesh.clone(),
         pose: if keyed { Pose::default() } else { body.pose },
         motion: motion(body),
         material: bodies::ContactMaterial { friction: material.friction, restitution: material.restitution },
@@ -59,7 +59,7 @@ fn motion(body: &PreparedBody) -> bodies::Motion {
             repeat: false,
         })),
         Motion::Spin(spin) => bodies::Motion::Prescribed(Path::Spin(rotation(spin, body.pose))),
-        Motion::Free(free) => bodies::Motion::Free(free_body(free, body.primitive.as_ref())),
+        Motion::Free(free) => bodies::Motion::Free(free_body(free, body.surface.primitive.as_ref())),
     }
 }
 

@@ -5,7 +5,7 @@ use crate::assemble::assemble;
 use crate::error::Error;
 use crate::scene::memory::Limit;
 use crate::scene::sources::SourceCount;
-use crate::scene::{self, PreparedBody, Scene, SceneSummary, SourceFile, placement, summary};
+use crate::scene::{self, PreparedBody, Scene, SceneSummary, SourceFile, cut, placement, summary};
 use std::path::Path;
 use volmap_bake::watch::Watch;
 use volmap_fluid::bodies::MOST_UNLIKE;
@@ -61,6 +61,9 @@ pub fn plan_within(
     let (bodies, files) = (prepared.bodies.clone(), prepared.files.clone());
     let (counts, mut notes) = (prepared.particles.counts.clone(), prepared.notes.clone());
     notes.extend(placement::notes(&bodies, scene.particle_radius, scene.domain.as_ref()));
+    let jets = prepared.emitters.iter().flat_map(|emitter| emitter.places());
+    let fluid: Vec<_> = prepared.particles.positions.iter().copied().chain(jets).collect();
+    notes.extend(cut::notes(&bodies, &fluid, scene.domain.as_ref()));
     let simulation = Simulation::new(assemble(scene, prepared)?)?;
     notes.extend(unlike_masses(&simulation));
     Ok(Plan { simulation, bodies, counts, files, notes })

@@ -9,6 +9,7 @@
 
 pub mod body;
 mod check;
+pub mod cut;
 mod defaults;
 pub mod fluid;
 pub mod map;
@@ -22,6 +23,7 @@ pub mod prepare;
 mod read;
 pub mod sources;
 pub mod summary;
+pub mod surface;
 
 pub use body::{Body, FreeMotion, Keyframe, Material, Motion, Spin};
 pub use fluid::{Block, EmitterSettings, Fill, Nozzle};

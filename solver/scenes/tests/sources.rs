@@ -237,7 +237,7 @@ fn maps_are_baked_once_and_shared() {
     assert_eq!((baked, again.bodies[0].origin, again.bodies[2].origin), (2, Origin::Cache, Origin::Cache));
     let at = DVec3::new(0.1, 0.97, 0.2);
     assert_eq!(first.bodies[0].map.sample(at), again.bodies[0].map.sample(at));
-    assert!(again.bodies[0].mesh.as_ref().is_some_and(|mesh| mesh.triangles.len() == 12));
+    assert!(again.bodies[0].surface.mesh.as_ref().is_some_and(|mesh| mesh.triangles.len() == 12));
     // What is damaged is baked again; other parameters are other maps.
     for file in std::fs::read_dir(cache.path().join("maps")).unwrap() {
         std::fs::write(file.unwrap().path(), b"damage").unwrap();

@@ -75,6 +75,23 @@ impl PlacedPrimitive {
         }
     }
 
+    /// The shape whose surface lies so far out of this one's, metres; below 0 within it. None if that is no shape of
+    /// the kind, as of a box with rounded edges, or if nothing is left.
+    pub fn offset(&self, out: f64) -> Option<PlacedPrimitive> {
+        let (mut shape, mut centre) = (self.shape, self.centre);
+        match &mut shape {
+            Primitive::Box { size } if out <= 0.0 => size.iter_mut().for_each(|edge| *edge += 2.0 * out),
+            Primitive::Cylinder { radius, height } if out <= 0.0 => {
+                *radius += out;
+                *height += 2.0 * out;
+            }
+            Primitive::Box { .. } | Primitive::Cylinder { .. } => return None,
+            Primitive::Sphere { radius } | Primitive::Capsule { radius, .. } => *radius += out,
+            Primitive::Plane { normal, .. } => centre += out * DVec3::from(*normal),
+        }
+        shape.check().is_ok().then_some(PlacedPrimitive { shape, turn: self.turn, centre })
+    }
+
     /// Lowest and highest corner of its box; of a plane, of the box in which it lies.
     pub fn bounds(&self) -> [DVec3; 2] {
         let round = |radius: f64, half: f64| {
@@ -176,6 +193,41 @@ mod tests {
         ] {
             let found = placed(text, &asis).distance(point.into());
             assert!((found - distance).abs() < 1e-15, "{text} at {point:?}: {found}");
+        }
+    }
+
+    /// An offset shape is nearer by the offset, where both are all round; there is none with rounded edges.
+    #[test]
+    fn offsets_move_the_surface() {
+        let points =
+            (0..500).map(|n| DVec3::new(f64::from(n % 13), f64::from(n % 17), f64::from(n % 19)) / 9.0);
+        for (text, out) in [
+            ("sphere:0.7", 0.2),
+            ("sphere:0.7", -0.3),
+            ("capsule:0.5,2", 0.2),
+            ("capsule:0.5,2", -0.2),
+            ("plane:1,2,3,-9,-9,-9,9,9,9", 0.4),
+            ("box:1,2,3", -0.2),
+            ("cylinder:0.5,2", -0.2),
+        ] {
+            let shape = placed(text, &Placement::default());
+            let moved = shape.offset(out).unwrap();
+            for point in points.clone() {
+                let expected = shape.distance(point) - out;
+                let found = moved.distance(point);
+                // Outside, boxes and cylinders have sharp edges again.
+                let is_known = expected <= 0.0 || !(text.starts_with("box") || text.starts_with("cyl"));
+                assert!(!is_known || (found - expected).abs() < 1e-14, "{text} {out} at {point}: {found}");
+                assert!(
+                    (found <= 0.0) == (expected <= 0.0) || found.abs() < 1e-14,
+                    "{text} {out} at {point}"
+                );
+            }
+        }
+        for (text, out) in
+            [("box:1,2,3", 0.1), ("cylinder:0.5,2", 0.1), ("box:1,2,3", -0.5), ("sphere:1", -1.0)]
+        {
+            assert_eq!(placed(text, &Placement::default()).offset(out), None, "{text} {out}");
         }
     }
 

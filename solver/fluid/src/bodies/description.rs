@@ -15,9 +15,9 @@ pub struct BodyDescription {
     pub name: String,
     /// What the fluid sees.
     pub map: Arc<VolumeMap>,
-    /// What other bodies touch, in the map's frame, counter-clockwise from outside, as the map was baked
-    /// from; of an inverted map, too, the solid's mesh before the inversion. Without one, the map's surface
-    /// is taken.
+    /// A mesh of the map's surface, if there is one, in the map's frame, counter-clockwise from outside; of an
+    /// inverted map that of the solid before the inversion. It encloses the mass, and other bodies touch it.
+    /// Without one, as where a map's surface was moved by a thickness, the map's own surface does both.
     pub mesh: Option<Arc<TriangleMesh>>,
     /// Where it starts.
     pub pose: Pose,
@@ -132,7 +132,7 @@ impl BodyDescription {
         defect.map_or(Ok(Pose { rotation: rotation / length, translation }), Err)
     }
 
-    /// Mass and inertia of a free body: from its mesh, or from its map if it has none that is closed.
+    /// Mass and inertia of a free body: of what its surface encloses.
     pub(super) fn mass(&self) -> Result<Option<Mass>, String> {
         let Motion::Free(free) = &self.motion else { return Ok(None) };
         let of_solid = |density: f64| {

@@ -4,6 +4,7 @@
 
 use glam::DMat3;
 use rayon::prelude::*;
+use volmap_bake::iso_surface::{IsoSurface, iso_surface};
 use volmap_bake::primitive::{Moments as ShapeMoments, PlacedPrimitive};
 use volmap_formats::mesh::TriangleMesh;
 use volmap_runtime::{DQuat, DVec3, Values, VolumeMap};
@@ -100,10 +101,17 @@ impl Mass {
         Some(Mass { mass: volume * density, volume, centre, inertia: inertia * density })
     }
 
-    /// Of a map's solid within its domain, from the distances at parts of its cells. A surface cuts such a
-    /// part on average as if it were perpendicular to the part's edges, so the error shrinks with the cell's
-    /// square.
+    /// Of a map's solid within its domain: of what its surface encloses, as a mesh with corners at thirds of the
+    /// cells. A surface that the domain cuts encloses nothing; then of parts of the cells.
     pub fn of_map(map: &VolumeMap, density: f64) -> Mass {
+        let surface = iso_surface(map, 0.0, None, &Default::default()).ok().filter(|surface| !surface.is_cut);
+        let mesh = surface.map(|IsoSurface { vertices, triangles, .. }| TriangleMesh { vertices, triangles });
+        mesh.and_then(|mesh| Mass::of_mesh(&mesh, density)).unwrap_or_else(|| Mass::of_cells(map, density))
+    }
+
+    /// From the distances at parts of a map's cells. A surface cuts such a part on average as if it were
+    /// perpendicular to the part's edges, so the error shrinks with the cell's square.
+    fn of_cells(map: &VolumeMap, density: f64) -> Mass {
         let grid = *map.grid();
         let origin = 0.5 * (grid.origin + grid.max_corner());
         let layers: Vec<Moments> =

@@ -20,6 +20,8 @@ const CONVEX: f64 = 0.01;
 const VOXELS: u32 = 32;
 /// Points of a hull at most; a contact looks through all of them.
 const HULL_POINTS: usize = 256;
+/// A hull of a map's surface may lack this part of its size anywhere.
+const PLAIN: f64 = 5e-4;
 
 /// Shapes that were made already, by the address of their mesh or map: bodies with the same one share it.
 #[derive(Default)]
@@ -45,6 +47,7 @@ impl Shapes {
 }
 
 fn make(body: &BodyDescription, is_free: bool) -> Result<SharedShape, String> {
+    let hull_of: Hull = if body.mesh.is_some() { hull } else { plain_hull };
     let mut mesh = match &body.mesh {
         // An inverted map's own surface is turned already.
         Some(mesh) if body.map.exterior() == Exterior::Solid => turned(mesh),
@@ -53,7 +56,7 @@ fn make(body: &BodyDescription, is_free: bool) -> Result<SharedShape, String> {
     };
     mesh.triangles.retain(|&[a, b, c]| a != b && b != c && c != a);
     // Meshes are checked, but what a library does with an odd one is not.
-    guard::quietly(|| if is_free { convex_parts(&mesh) } else { surface(&mesh) })
+    guard::quietly(|| if is_free { convex_parts(&mesh, hull_of) } else { surface(&mesh) })
         .unwrap_or_else(Err)
         .map_err(|reason| format!("no collision shape can be made of its mesh: {reason}"))
 }
@@ -88,18 +91,21 @@ fn surface(mesh: &TriangleMesh) -> Result<SharedShape, String> {
     made.map(SharedShape::new).map_err(|error| error.to_string())
 }
 
+/// A convex hull of points, if they aren't in one plane.
+type Hull = fn(&[DVec3]) -> Option<ConvexPolyhedron>;
+
 /// The hull, or several of parts.
-fn convex_parts(mesh: &TriangleMesh) -> Result<SharedShape, String> {
+fn convex_parts(mesh: &TriangleMesh, hull_of: Hull) -> Result<SharedShape, String> {
     let points = points(mesh);
     let volume = volume(&points, &mesh.triangles);
-    let hull = hull(&points).ok_or("it is flat")?;
+    let hull = hull_of(&points).ok_or("it is flat")?;
     if hull_volume(&hull) <= (1.0 + CONVEX) * volume {
         return Ok(SharedShape::new(hull));
     }
     let parameters = VHACDParameters { resolution: VOXELS, ..VHACDParameters::default() };
     let split = VHACD::decompose(&parameters, &points, &mesh.triangles, true);
     let parts = split.compute_exact_convex_hulls(&points, &mesh.triangles);
-    let parts: Vec<_> = parts.iter().filter_map(|(points, _)| self::hull(points)).collect();
+    let parts: Vec<_> = parts.iter().filter_map(|(points, _)| hull_of(points)).collect();
     match parts.is_empty() {
         true => Err("it has no convex parts".into()),
         false => Ok(SharedShape::compound(
@@ -123,6 +129,47 @@ fn hull(points: &[DVec3]) -> Option<ConvexPolyhedron> {
     }
     let kept: Vec<DVec3> = hull.points().iter().zip(is_kept).filter(|(_, k)| *k).map(|(p, _)| *p).collect();
     ConvexPolyhedron::from_convex_hull(&kept)
+}
+
+/// The convex hull but for [`PLAIN`], of as few points as do: those that are farthest out of the hull so far. A surface
+/// of a map has points all over its faces and edges, and rapier lets a body stand on four corners of a face at most.
+fn plain_hull(points: &[DVec3]) -> Option<ConvexPolyhedron> {
+    let all = ConvexPolyhedron::from_convex_hull(points)?;
+    let points = all.points();
+    let farthest = |direction: DVec3| {
+        points.iter().copied().max_by(|a, b| a.dot(direction).total_cmp(&b.dot(direction)))
+    };
+    let corner = |n: u32| DVec3::new((n & 1).into(), (n >> 1 & 1).into(), (n >> 2 & 1).into()) - 0.5;
+    let mut kept: Vec<DVec3> = Vec::new();
+    for point in (0..8).filter_map(|n| farthest(corner(n))) {
+        if !kept.contains(&point) {
+            kept.push(point);
+        }
+    }
+    let size = points.iter().map(|point| point.distance(points[0])).fold(0.0, f64::max);
+    loop {
+        // Flat so far, where the corners of a box around it see one face.
+        let Some(hull) = ConvexPolyhedron::from_convex_hull(&kept) else { return Some(all) };
+        let planes = planes(&hull);
+        let outside = |point: &DVec3| {
+            planes.iter().map(|(normal, on)| normal.dot(*point - *on)).fold(f64::NEG_INFINITY, f64::max)
+        };
+        let next = points.iter().map(|point| (outside(point), *point)).max_by(|a, b| a.0.total_cmp(&b.0))?;
+        if next.0 <= PLAIN * size || kept.len() == HULL_POINTS || kept.contains(&next.1) {
+            return Some(hull);
+        }
+        kept.push(next.1);
+    }
+}
+
+/// The planes of a hull's triangles: normals outwards, of length 1, and a point each.
+fn planes(hull: &ConvexPolyhedron) -> Vec<(DVec3, DVec3)> {
+    let (points, triangles) = hull.to_trimesh();
+    let plane = |&[a, b, c]: &[u32; 3]| {
+        let [a, b, c] = [a, b, c].map(|v| points[v as usize]);
+        Some(((b - a).cross(c - a).try_normalize()?, a))
+    };
+    triangles.iter().filter_map(plane).collect()
 }
 
 /// The axes, then Fibonacci's lattice on the sphere: Swinbank and Purser 2006.
@@ -177,7 +224,7 @@ mod tests {
     #[test]
     fn convex_bodies_are_their_hull() {
         let size = DVec3::new(0.3, 1.0, 2.0);
-        let shape = convex_parts(&block(size, DVec3::ONE)).unwrap();
+        let shape = convex_parts(&block(size, DVec3::ONE), hull).unwrap();
         let [volume] = volumes(&shape)[..] else { panic!("more than one part") };
         assert!((volume - 0.6).abs() < 1e-12);
     }
@@ -196,6 +243,27 @@ mod tests {
         assert!(DVec3::AXES.iter().all(|axis| hull.points().contains(axis)));
     }
 
+    /// A cube with points all over its faces and edges: its corners alone. A ball: near its radius everywhere.
+    #[test]
+    fn plain_hulls_have_few_points() {
+        let steps = (0..9 * 9 * 9).map(|n| [n % 9, n / 9 % 9, n / 81].map(|n| f64::from(n) / 8.0 - 0.5));
+        let noise = |n: f64| 1e-9 * (1e4 * n).sin();
+        let points: Vec<DVec3> = steps.map(|at| DVec3::from(at.map(|x| x + noise(x + at[1])))).collect();
+        let cube = plain_hull(&points).unwrap();
+        assert_eq!(cube.points().len(), 8);
+        assert!((hull_volume(&cube) - 1.0).abs() < 1e-7);
+        let on_ball = |n: f64| {
+            let z = (2.0 * n + 1.0) / 4000.0 - 1.0;
+            DVec3::X.rotate_z(n * GOLDEN_ANGLE) * (1.0 - z * z).sqrt() + DVec3::Z * z
+        };
+        let points: Vec<DVec3> = (0..4000).map(|n| on_ball(f64::from(n))).collect();
+        let ball = plain_hull(&points).unwrap();
+        assert!(ball.points().len() <= HULL_POINTS);
+        let planes = planes(&ball);
+        let nearest = planes.iter().map(|(normal, on)| normal.dot(*on)).fold(f64::INFINITY, f64::min);
+        assert!(nearest > 0.97, "{nearest}");
+    }
+
     #[test]
     fn hollows_stay_open() {
         // An L of three cubes.
@@ -204,7 +272,7 @@ mod tests {
         let count = l.vertices.len() as u32;
         l.triangles.extend(arm.triangles.iter().map(|t| t.map(|v| v + count)));
         l.vertices.extend(arm.vertices);
-        let shape = convex_parts(&l).unwrap();
+        let shape = convex_parts(&l, hull).unwrap();
         assert!(volumes(&shape).len() > 1);
         let hollow = rapier3d_f64::prelude::Ball::new(0.3);
         let at = Pose::from_translation(DVec3::new(1.6, 1.6, 0.5));
@@ -217,7 +285,7 @@ mod tests {
     fn parts_of_a_duck_fill_it() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/duck.obj");
         let duck = load(&path, &InputSettings::default()).unwrap().mesh;
-        let shape = convex_parts(&duck).unwrap();
+        let shape = convex_parts(&duck, hull).unwrap();
         let volumes = volumes(&shape);
         assert!((2..40).contains(&volumes.len()), "{} parts", volumes.len());
         let filled = volumes.iter().sum::<f64>() / 0.8309;

@@ -76,6 +76,11 @@ impl Drag {
         self.tangential * (difference - across) + self.across * across
     }
 
+    /// The larger of both rates, 1/s.
+    pub fn strongest(&self) -> f64 {
+        self.tangential.max(self.across)
+    }
+
     /// [`Drag::rate`] as a matrix, 1/s: xx, yy, zz, xy, xz, yz.
     pub fn matrix(&self) -> [f64; 6] {
         let (n, more) = (self.normal, self.across - self.tangential);

@@ -10,14 +10,21 @@
 //! in double precision; the preconditioner is the inverse of its 3 x 3 diagonal blocks. A solve begins with the last
 //! step's change of the velocities.
 //!
-//! Kept at any tolerance: momentum and angular momentum. What is left of the residual when a solve ends is added to
-//! the velocities, which makes them v0 plus what particles and bodies exchange: opposite forces along the lines
-//! between them, to the rounding of [bends](crate::pairs).
+//! Kept at any tolerance, and where a solve ends by its iterations: momentum, angular momentum, and energy, which never
+//! grows. What is left of the residual when a solve ends is added to the velocities, which makes them v0 - w, w what
+//! particles and bodies exchange: opposite forces along the lines between them, to the rounding of
+//! [bends](crate::pairs). If w would add energy, the part of it is done that takes the most ([`Carried::part`]); the
+//! rest stays undone, and the error tells.
+//!
+//! What is too stiff for single precision is solved for in double precision ([`stiff`]).
 
 mod carried;
+mod stiff;
 
+use super::viscosity::viscous_weights;
 use super::{Force, ForceStep, Solved};
 use crate::boundary::Boundary;
+use crate::boundary::drag::Drag;
 use crate::channels::{ChannelDeclaration, Channels, Initial};
 use crate::coupling::Motions;
 use crate::neighbours::Neighbours;
@@ -25,15 +32,24 @@ use crate::pairs::lists::Lists;
 use crate::pairs::{Quad, Symmetric, sums, workspace};
 use crate::particles::CHUNK;
 use crate::report::SolveReport;
-use crate::settings::{FluidSettings, ViscositySolveSettings};
-use carried::Carried;
+use crate::settings::{FluidSettings, ViscositySolveSettings, World};
+use carried::{Carried, Exchanged};
 use glam::DMat3;
 use rayon::prelude::*;
+use stiff::StiffSolver;
 use volmap_runtime::DVec3;
 
 /// Changes of the velocities in the last step, m/s: where the next solve begins.
 const CHANGES: ChannelDeclaration =
     ChannelDeclaration { name: "viscous_changes", initial: Initial::Vector([0.0; 3]), in_frames: false };
+
+/// Single precision is enough up to this: dt times the rate at which viscosity or drag takes a particle's velocity
+/// from it. The velocities' rounding, 6e-8, times it is left of the residual, which must come below 1e-3.
+const STIFF: f64 = 1e4;
+
+/// dt times that rate of viscosity is no larger: so much leaves neighbours a difference of 1e-8 of what would part them
+/// in a step, which their velocities can't hold. More would only take more iterations.
+const RIGID: f64 = 1e6;
 
 /// Viscosity and drag as a solve.
 #[derive(Clone, Debug, Default)]
@@ -42,7 +58,10 @@ pub struct ImplicitViscosity {
     viscosity: f64,
     /// When to stop.
     settings: ViscositySolveSettings,
+    /// See [`viscous_weights`], 1/m^2.
+    weights: f64,
     solver: Solver,
+    stiff: StiffSolver,
 }
 
 /// Room for the vectors of conjugate gradients, one for each particle.
@@ -65,9 +84,15 @@ struct Squares {
 
 impl ImplicitViscosity {
     /// Of a fluid; its viscosity is none if it is explicit.
-    pub fn new(fluid: &FluidSettings, settings: &ViscositySolveSettings) -> ImplicitViscosity {
-        let [_, viscosity] = fluid.viscosities();
-        ImplicitViscosity { viscosity, settings: settings.clone(), solver: Solver::default() }
+    pub fn new(fluid: &FluidSettings, world: &World, settings: &ViscositySolveSettings) -> ImplicitViscosity {
+        let ([_, viscosity], weights) = (fluid.viscosities(), viscous_weights(world));
+        ImplicitViscosity { viscosity, settings: settings.clone(), weights, ..ImplicitViscosity::default() }
+    }
+
+    /// Whether single precision isn't enough.
+    fn is_stiff(&self, step: &ForceStep) -> bool {
+        let strongest = step.boundary.drags().map(Drag::strongest).fold(0.0, f64::max);
+        step.dt * (self.viscosity * self.weights).max(strongest) > STIFF
     }
 }
 
@@ -98,17 +123,22 @@ impl Force for ImplicitViscosity {
             neighbours: step.neighbours,
             boundary: step.boundary,
             carried,
-            viscosity: self.viscosity,
+            viscosity: self.viscosity.min(RIGID / (step.dt * self.weights)),
             dt: step.dt,
         };
         let changes = channels.vectors_mut(CHANGES.name);
-        Some(self.solver.solve(&system, &self.settings, velocities, changes))
+        Some(if self.is_stiff(step) {
+            self.stiff.solve(&system, step, &self.settings, velocities, changes)
+        } else {
+            self.solver.solve(&system, &self.settings, velocities, changes)
+        })
     }
 
     fn memory_bytes(&self) -> usize {
         let Solver { residual, direction, product, inverses } = &self.solver;
         let quads = residual.capacity() + direction.capacity() + product.capacity();
-        size_of::<Quad>() * quads + size_of::<Symmetric>() * inverses.capacity()
+        let plain = size_of::<Quad>() * quads + size_of::<Symmetric>() * inverses.capacity();
+        plain + self.stiff.memory_bytes()
     }
 }
 
@@ -143,16 +173,17 @@ impl Solver {
         room.resize(velocities.len(), [0.0; 4]);
         let scale = begin(velocities, changes) + carried.square();
         self.precondition(system, velocities.len());
-        let bodies = carried.velocities(velocities);
-        system.apply(&Unknowns { fluid: velocities, bodies: &bodies }, &mut room);
-        let mut squares = self.first_residual(changes, &room);
+        let mut squares = self.begin_at(system, velocities, changes, &mut room);
+        if squares.plain > scale {
+            squares = self.begin_again(system, velocities, changes, squares, &mut room);
+        }
         let mut report = SolveReport::default();
         loop {
             report.error = if scale > 0.0 { (squares.plain / scale).sqrt() } else { 0.0 };
             if report.error <= settings.max_error || report.iterations >= settings.max_iterations {
                 break;
             }
-            let bodies = carried.response(&self.direction);
+            let bodies = carried.response(&of(&self.direction));
             let product = system.apply(&Unknowns { fluid: &self.direction, bodies: &bodies }, &mut room);
             if product.is_nan() || product <= 0.0 {
                 break;
@@ -164,12 +195,59 @@ impl Solver {
             report.iterations += 1;
         }
         self.product = room;
-        let impulses = carried.impulses(velocities, &carried.velocities(velocities));
-        let on_bodies = impulses.iter().map(|&[push, turn]| [push / system.dt, turn / system.dt]).collect();
-        // A large residual would do harm.
-        let part = if report.error <= settings.max_error { 1.0 } else { 0.0 };
-        self.end(part, velocities, changes);
+        let impulses = carried.impulses(&of(velocities), &carried.velocities(&of(velocities)));
+        let part = carried.part(self.exchanged(velocities, changes), &impulses);
+        let on_bodies = system.forces(&impulses, part);
+        self.end(part as f32, velocities, changes);
         Solved { report, on_bodies }
+    }
+
+    /// The first residual and direction of these velocities; `before` are those before the solve.
+    fn begin_at(
+        &mut self,
+        system: &System,
+        velocities: &[Quad],
+        before: &[[f32; 3]],
+        room: &mut [Quad],
+    ) -> Squares {
+        let bodies = system.carried.velocities(&of(velocities));
+        system.apply(&Unknowns { fluid: velocities, bodies: &bodies }, room);
+        self.first_residual(before, room)
+    }
+
+    /// The last step's change leads astray: begins with the velocities before, unless that is worse.
+    fn begin_again(
+        &mut self,
+        system: &System,
+        velocities: &mut [Quad],
+        before: &[[f32; 3]],
+        warm: Squares,
+        room: &mut [Quad],
+    ) -> Squares {
+        let start = velocities.to_vec();
+        for (velocity, &[x, y, z]) in velocities.iter_mut().zip(before) {
+            *velocity = [x, y, z, 0.0];
+        }
+        let cold = self.begin_at(system, velocities, before, room);
+        if cold.plain <= warm.plain {
+            return cold;
+        }
+        velocities.copy_from_slice(&start);
+        self.begin_at(system, velocities, before, room)
+    }
+
+    /// What the particles get of the whole exchange.
+    fn exchanged(&self, velocities: &[Quad], before: &[[f32; 3]]) -> Exchanged {
+        let chunks = velocities.par_chunks(CHUNK).zip(before.par_chunks(CHUNK));
+        let parts = chunks.zip(self.residual.par_chunks(CHUNK)).map(|((velocities, before), residual)| {
+            let mut sum = Exchanged::default();
+            for ((velocity, before), residual) in velocities.iter().zip(before).zip(residual) {
+                let before = DVec3::from_array(before.map(f64::from));
+                sum.add(before, before - carried::velocity(*velocity) - carried::velocity(*residual));
+            }
+            sum
+        });
+        parts.collect::<Vec<_>>().into_iter().fold(Exchanged::default(), Exchanged::and)
     }
 
     /// Inverts the diagonal blocks.
@@ -192,7 +270,8 @@ impl Solver {
                 }
             }
             for (out, matrix) in out.iter_mut().zip(matrices) {
-                *out = inverse_of_one_plus(matrix);
+                let DMat3 { x_axis: x, y_axis: y, z_axis: z } = inverse_of_one_plus(matrix);
+                *out = [x.x, y.y, z.z, x.y, x.z, y.z].map(|number| number as f32);
             }
         });
     }
@@ -249,19 +328,32 @@ impl Solver {
         });
     }
 
-    /// Adds the residual, or a part of it; `changes`, which are the velocities before, become the change.
+    /// Adds the residual, and does a part of the whole change; `changes`, which are the velocities before, become it.
     fn end(&self, part: f32, velocities: &mut [Quad], changes: &mut [[f32; 3]]) {
         let all = velocities.par_iter_mut().zip(changes).zip(&self.residual).with_min_len(CHUNK);
         all.for_each(|((velocity, change), residual)| {
             for axis in 0..3 {
-                velocity[axis] += part * residual[axis];
+                velocity[axis] += residual[axis];
+                if part < 1.0 {
+                    velocity[axis] = change[axis] + part * (velocity[axis] - change[axis]);
+                }
                 change[axis] = velocity[axis] - change[axis];
             }
         });
     }
 }
 
+/// The vectors of a field.
+fn of(field: &[Quad]) -> impl Fn(usize) -> DVec3 + '_ {
+    |particle| carried::velocity(field[particle])
+}
+
 impl System<'_> {
+    /// Forces and torques of a part of these impulses.
+    fn forces(&self, impulses: &[[DVec3; 2]], part: f64) -> Motions {
+        impulses.iter().map(|&[push, turn]| [part * push / self.dt, part * turn / self.dt]).collect()
+    }
+
     /// Writes A u; the product u . A u.
     fn apply(&self, of: &Unknowns, out: &mut [Quad]) -> f64 {
         let Unknowns { fluid: field, bodies } = of;
@@ -345,11 +437,9 @@ fn multiply([xx, yy, zz, xy, xz, yz]: &Symmetric, [x, y, z, _]: Quad) -> Quad {
     [xx * x + xy * y + xz * z, xy * x + yy * y + yz * z, xz * x + yz * y + zz * z, 0.0]
 }
 
-fn inverse_of_one_plus([xx, yy, zz, xy, xz, yz]: [f64; 6]) -> Symmetric {
+fn inverse_of_one_plus([xx, yy, zz, xy, xz, yz]: [f64; 6]) -> DMat3 {
     let columns = [DVec3::new(1.0 + xx, xy, xz), DVec3::new(xy, 1.0 + yy, yz), DVec3::new(xz, yz, 1.0 + zz)];
-    let inverse = DMat3::from_cols(columns[0], columns[1], columns[2]).inverse();
-    let [x, y, z] = [inverse.x_axis, inverse.y_axis, inverse.z_axis];
-    [x.x, y.y, z.z, x.y, x.z, y.z].map(|number| number as f32)
+    DMat3::from_cols(columns[0], columns[1], columns[2]).inverse()
 }
 
 #[cfg(test)]

@@ -58,13 +58,17 @@ impl Force for Viscosity {
 /// which is 120 / r^2 for the cubic spline; in two dimensions 8 for 10, and 16 pi W(0), which is 91 / r^2. More than
 /// the whole difference must not go: nu dt S <= 1, of which XSPH takes its part.
 pub fn viscous_limit(fluid: &FluidSettings, world: &World) -> f64 {
+    let [explicit, _] = fluid.viscosities();
+    (1.0 - 0.5 * fluid.xsph) / (explicit * viscous_weights(world))
+}
+
+/// S of [`viscous_limit`], 1/m^2.
+pub fn viscous_weights(world: &World) -> f64 {
     let in_radius = match world.dimension {
         Dimension::Two => 16.0 * PI * world.kernel.plane_thickness() * world.kernel.unit_value(0.0),
         Dimension::Three => 40.0 * world.kernel.line_integral(),
     };
-    let weights = in_radius / (world.support_radius * world.support_radius);
-    let [explicit, _] = fluid.viscosities();
-    (1.0 - 0.5 * fluid.xsph) / (explicit * weights)
+    in_radius / (world.support_radius * world.support_radius)
 }
 
 #[cfg(test)]

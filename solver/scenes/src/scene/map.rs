@@ -2,6 +2,7 @@
 
 use super::body::{Body, Source};
 use super::numbers::Region;
+use super::surface::Surface;
 use crate::error::Error;
 use crate::output::io_error;
 use std::path::{Path, PathBuf};
@@ -34,11 +35,10 @@ pub struct Shape {
     pub map: Arc<VolumeMap>,
     /// The mesh as it was baked: scaled, triangles the right way round.
     pub mesh: Option<Arc<TriangleMesh>>,
-    /// Its surface: that of the union where parts of the mesh overlap. It encloses the mass, and bears boundary
-    /// particles.
-    pub surface: Option<Arc<TriangleMesh>>,
     /// The shape that the mesh stands for.
     pub primitive: Option<PlacedPrimitive>,
+    /// The surface of the map's solid: that of the union where parts of the mesh overlap, moved by the thickness.
+    pub surface: Surface,
     /// Where the map comes from.
     pub origin: Origin,
     /// BLAKE3 of the map's bytes, or of the content key of the mesh and its bake.
@@ -79,15 +79,20 @@ pub struct Library<'a> {
     on_bake: &'a mut dyn FnMut(&Path),
 }
 
-/// A mesh as a bake would take it: scaled, triangles the right way round.
-///
-/// # Errors
-/// A file that can't be used.
-pub fn read_mesh(path: &Path, given: &Parameters) -> Result<TriangleMesh, Error> {
-    let recipe = given.recipe();
-    let mut input = input::load(path, &recipe.input)?;
-    volmap_bake::mesh::prepare(&mut input.mesh, recipe.bake.keep_orientation);
-    Ok(input.mesh)
+/// The surface of a body's solid as far as its file tells it, with its overlapping parts; none if it can't be read, or
+/// only the map has it.
+pub fn surface_without_map(body: &Body) -> Option<Surface> {
+    let mut recipe = body.bake.recipe();
+    let mut input = match body.source()? {
+        Source::Map(_) => return None,
+        Source::Mesh(path, _) => input::load(path, &recipe.input).ok()?,
+        Source::Shape(shape, _) => {
+            recipe.input.shape = Some(shape);
+            input::from_shape(shape, &recipe.input).ok()?
+        }
+    };
+    prepare(&mut input.mesh, recipe.bake.keep_orientation);
+    Some(Surface::new(Arc::new(input.mesh), input.placed_shape, recipe.bake.map.surface_offset()))
 }
 
 impl<'a> Library<'a> {
@@ -299,9 +304,10 @@ impl<'a> Library<'a> {
             .flatten();
         let primitive = input.placed_shape;
         let mesh = Arc::new(input.mesh);
-        let surface = union.map_or(mesh.clone(), Arc::new);
+        let outer = union.map_or(mesh.clone(), Arc::new);
+        let surface = Surface::new(outer, primitive, recipe.bake.map.surface_offset());
         let content = *blake3::hash(key.as_bytes()).as_bytes();
-        Ok(Shape { map: Arc::new(map), mesh: Some(mesh), surface: Some(surface), primitive, origin, content })
+        Ok(Shape { map: Arc::new(map), mesh: Some(mesh), primitive, surface, origin, content })
     }
 
     /// Bakes, and keeps what came of it if it can.
@@ -339,8 +345,8 @@ impl<'a> Library<'a> {
         Ok(Shape {
             map: Arc::new(map),
             mesh: None,
-            surface: None,
             primitive: None,
+            surface: Surface::default(),
             origin: Origin::Asset,
             content,
         })

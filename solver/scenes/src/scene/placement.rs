@@ -92,7 +92,7 @@ fn depth(points: &[DVec3], body: &PreparedBody, rp: f64) -> (usize, Option<DVec3
 
 /// Points spread over a body's surface, in the world; none without a surface.
 fn surface(body: &PreparedBody, rp: f64) -> Vec<DVec3> {
-    let points = match &body.mesh {
+    let points = match &body.surface.mesh {
         Some(mesh) => spread(mesh, rp),
         None => surface_of_map(&body.map).map(|mesh| spread(&mesh, rp)).unwrap_or_default(),
     };

@@ -9,13 +9,13 @@ use super::memory::{Limit, of_maps};
 use super::nozzle;
 use super::overlap::{BODY_MARGIN, Placed, bounds, drop_in_bodies};
 use super::sources::{self, PlacedParticles, Solid, SourceCount};
+use super::surface::Surface;
 use crate::error::Error;
 use glam::DVec3;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use volmap_bake::cache::default_folder;
 use volmap_bake::mesh::diagnose;
-use volmap_bake::primitive::PlacedPrimitive;
 use volmap_bake::sdf::{BoundaryDistance, MeshDistance, SignMethod};
 use volmap_bake::watch::Watch;
 use volmap_fluid::boundary::particles;
@@ -56,10 +56,8 @@ pub struct PreparedBody {
     pub name: String,
     /// Its map, shared with bodies of the same shape.
     pub map: Arc<VolumeMap>,
-    /// Its mesh in the map's frame, if it was baked from one.
-    pub mesh: Option<Arc<TriangleMesh>>,
-    /// The shape that the mesh stands for, in the map's frame.
-    pub primitive: Option<PlacedPrimitive>,
+    /// The surface of its solid.
+    pub surface: Surface,
     /// Particles on its surface, with particle boundaries.
     pub boundary_particles: Option<u64>,
     /// Where the map comes from.
@@ -137,15 +135,13 @@ fn prepare_bodies(
         let key = format!("bodies[{i}]");
         let baked = library.with_cells(settings);
         let source = given(baked.source(), &key)?;
-        let Shape { map, surface: mesh, primitive, origin, content, .. } =
-            library.obtain_for_body(source, &key)?;
+        let Shape { map, surface, origin, content, .. } = library.obtain_for_body(source, &key)?;
         files.push(SourceFile { path: source.path().to_owned(), content });
         bodies.push(PreparedBody {
-            boundary_particles: count_particles(scene, mesh.as_deref(), &key)?,
+            boundary_particles: count_particles(scene, surface.mesh.as_deref(), &key)?,
             name,
             map,
-            mesh,
-            primitive,
+            surface,
             origin,
             pose: settings.pose(),
             settings: settings.clone(),

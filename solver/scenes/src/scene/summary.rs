@@ -1,11 +1,12 @@
 //! The contents of a scene, for people and as JSON.
 
 use super::body::{self, Body, Motion};
-use super::map::{Origin, read_mesh};
+use super::map::{Origin, surface_without_map};
 use super::memory::{BYTES_OF_PROGRAM, BYTES_PER_PARTICLE, emitted, of_maps};
 use super::nozzle::{self, Flow};
 use super::prepare::PreparedBody;
 use super::sources::SourceCount;
+use super::surface::Surface;
 use super::{Scene, load};
 use crate::error::Error;
 use serde::Serialize;
@@ -14,7 +15,6 @@ use std::path::Path;
 use volmap_fluid::bodies::Mass;
 use volmap_fluid::lattice;
 use volmap_fluid::settings::BoundaryMethod;
-use volmap_formats::mesh::TriangleMesh;
 use volmap_formats::text::{bytes, duration, number, significant, thousands};
 
 /// Seconds per particle and step, measured at 60 thousand to 3 million particles (0.23 to 0.28e-6:
@@ -109,33 +109,41 @@ pub struct MassFacts {
     pub density: f64,
     /// What the scene gives: `mass` or `density`.
     pub given: &'static str,
-    /// What the volume is that of: `mesh` or `map`.
+    /// What the volume is that of: `shape`, `mesh` or `map`.
     pub volume_of: &'static str,
 }
 
 impl MassFacts {
-    /// None of a body that isn't free. `mesh` is that of the body, if it has one.
-    fn new(body: &Body, mass: &Mass, mesh: Option<&TriangleMesh>) -> Option<MassFacts> {
+    /// None of a body that isn't free.
+    fn new(body: &Body, mass: &Mass, surface: &Surface) -> Option<MassFacts> {
         let Motion::Free(free) = &body.motion else { return None };
         // An open mesh has no volume; then the map's is taken.
-        let closed = mesh.is_some_and(|mesh| Mass::of_mesh(mesh, 1.0).is_some());
+        let closed = || surface.mesh.as_ref().is_some_and(|mesh| Mass::of_mesh(mesh, 1.0).is_some());
         Some(MassFacts {
             mass: mass.mass,
             volume: mass.volume,
             density: mass.mass / mass.volume,
             given: if free.mass.is_some() { "mass" } else { "density" },
-            volume_of: if closed { "mesh" } else { "map" },
+            volume_of: match surface.primitive {
+                Some(_) => "shape",
+                None if closed() => "mesh",
+                None => "map",
+            },
         })
     }
 }
 
-/// The mass of a free body, as far as its mesh tells it.
-fn mass_of_mesh(body: &Body) -> Option<MassFacts> {
+/// The mass of a free body, as far as it is known without its map.
+fn mass_without_map(body: &Body) -> Option<MassFacts> {
     let Motion::Free(free) = &body.motion else { return None };
-    let mesh = read_mesh(body.mesh.as_deref()?, &body.bake).ok()?;
-    let mass = Mass::of_mesh(&mesh, free.density.unwrap_or(1.0))?;
+    let surface = surface_without_map(body)?;
+    let density = free.density.unwrap_or(1.0);
+    let mass = match &surface.primitive {
+        Some(shape) => Mass::of_shape(shape, density)?,
+        None => Mass::of_mesh(surface.mesh.as_ref()?, density)?,
+    };
     let mass = free.mass.map_or(mass, |given| mass.with_mass(given));
-    MassFacts::new(body, &mass, Some(&mesh))
+    MassFacts::new(body, &mass, &surface)
 }
 
 /// A map, briefly.
@@ -165,7 +173,7 @@ pub fn info(path: &Path) -> Result<SceneSummary, Error> {
         out.sources.push(SourceFacts::new(None, format!("fills[{i}], {file}")));
     }
     for (facts, body) in out.bodies.iter_mut().zip(&scene.bodies) {
-        facts.mass = mass_of_mesh(body);
+        facts.mass = mass_without_map(body);
     }
     let counts: Vec<u64> = out.sources.iter().filter_map(|source| source.particles).collect();
     out.particles = scene.fills.is_empty().then(|| counts.iter().sum());
@@ -191,7 +199,7 @@ pub fn summarize(
     out.particles = Some(total);
     for ((facts, body), mass) in out.bodies.iter_mut().zip(bodies).zip(masses) {
         facts.boundary_particles = body.boundary_particles;
-        facts.mass = mass.and_then(|mass| MassFacts::new(&body.settings, &mass, body.mesh.as_deref()));
+        facts.mass = mass.and_then(|mass| MassFacts::new(&body.settings, &mass, &body.surface));
         facts.map = Some(MapFacts {
             origin: match body.origin {
                 Origin::Asset => "asset",

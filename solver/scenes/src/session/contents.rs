@@ -26,11 +26,11 @@ pub fn folder_settings(scene: &Scene) -> FolderSettings {
     }
 }
 
-/// The mesh of each body, as it was given or the surface of its map; none where the map has no surface.
+/// The surface of each body as a mesh; none where a map has no surface.
 pub fn body_meshes(bodies: &[PreparedBody]) -> Vec<Option<BodyMesh>> {
     let surface = |body: &PreparedBody| surface_of_map(&body.map).ok().map(Arc::new);
     let mesh = |body: &PreparedBody| {
-        let mesh = body.mesh.clone().or_else(|| surface(body))?;
+        let mesh = body.surface.mesh.clone().or_else(|| surface(body))?;
         Some(BodyMesh { name: body.name.clone(), mesh })
     };
     bodies.iter().map(mesh).collect()

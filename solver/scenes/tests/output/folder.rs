@@ -118,6 +118,26 @@ fn what_cannot_be_written_is_named() {
     assert!(error.contains("0 values of density"), "{error}");
 }
 
+/// Relative densities are times the fluid's own: single precision, little-endian in PLY, big-endian in BGEO.
+#[test]
+fn densities_are_in_kilograms_per_cubic_metre() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut output = Output::open(folder.path(), &settings(), world(), &[], None).unwrap();
+    let mut scene = Scene::new(0.2, 0.0);
+    scene.density.fill(1.25);
+    let mut frame = scene.frame(0);
+    frame.rest_density = 13_600.0;
+    output.frame(&frame).unwrap();
+    let count = |extension: &str, bytes: [u8; 4]| {
+        let file = folder.path().join("particles/frame_000000").with_extension(extension);
+        std::fs::read(file).unwrap().windows(4).filter(|window| *window == bytes).count()
+    };
+    let [density, relative] = [17_000.0_f32, 1.25];
+    assert_eq!(count("ply", density.to_le_bytes()), scene.positions.len());
+    assert_eq!(count("bgeo", density.to_be_bytes()), scene.positions.len());
+    assert_eq!([count("ply", relative.to_le_bytes()), count("bgeo", relative.to_be_bytes())], [0; 2]);
+}
+
 /// A device that is always full.
 #[cfg(target_os = "linux")]
 #[test]

@@ -17,12 +17,38 @@ use crate::pairs::Quad;
 use nalgebra::{Matrix6, Vector6};
 use volmap_runtime::DVec3;
 
+/// A vector of each particle.
+pub type Field<'a> = &'a dyn Fn(usize) -> DVec3;
+
+/// What the particles would get of a solve: the sums over them of v0 . w and |w|^2, where v0 are the velocities before
+/// and v0 - w those after it, m^2/s^2.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Exchanged {
+    pub along: f64,
+    pub square: f64,
+}
+
+impl Exchanged {
+    /// Adds a particle: its velocity before, and what it loses.
+    pub fn add(&mut self, before: DVec3, lost: DVec3) {
+        self.along += before.dot(lost);
+        self.square += lost.length_squared();
+    }
+
+    /// Both together.
+    pub fn and(self, other: Exchanged) -> Exchanged {
+        Exchanged { along: self.along + other.along, square: self.square + other.square }
+    }
+}
+
 /// The bodies and what they are to a viscous solve.
 pub struct Carried<'a> {
     bodies: &'a Bodies,
     boundary: &'a Boundary,
-    /// Mass of a particle times the time step, kg s.
-    scale: f64,
+    /// Mass of a particle, kg.
+    mass: f64,
+    /// Time step, seconds.
+    dt: f64,
     /// Velocities without drag, m/s and rad/s, u0.
     known: Motions,
     /// K of each body, none if it isn't free or touches nothing.
@@ -40,7 +66,8 @@ impl<'a> Carried<'a> {
         let mut carried = Carried {
             bodies,
             boundary,
-            scale: mass * dt,
+            mass,
+            dt,
             known: (0..count).map(known).collect(),
             inverses: vec![None; count],
         };
@@ -49,7 +76,7 @@ impl<'a> Carried<'a> {
     }
 
     /// Velocities of bodies among particles of these velocities.
-    pub fn velocities(&self, field: &[Quad]) -> Motions {
+    pub fn velocities(&self, field: Field) -> Motions {
         let mut motions = self.changes(field, &self.known);
         for (motion, known) in motions.iter_mut().zip(&self.known) {
             *motion = [motion[0] + known[0], motion[1] + known[1]];
@@ -58,7 +85,7 @@ impl<'a> Carried<'a> {
     }
 
     /// The same without the known velocities: what of it depends on the particles.
-    pub fn response(&self, field: &[Quad]) -> Motions {
+    pub fn response(&self, field: Field) -> Motions {
         self.changes(field, &vec![[DVec3::ZERO; 2]; self.known.len()])
     }
 
@@ -75,11 +102,31 @@ impl<'a> Carried<'a> {
 
     /// Momentum and angular momentum about the centre of mass that particles and bodies of these velocities exchange
     /// in the step: what each body gets.
-    pub fn impulses(&self, field: &[Quad], motions: &[[DVec3; 2]]) -> Motions {
+    pub fn impulses(&self, field: Field, motions: &[[DVec3; 2]]) -> Motions {
         self.exchange(field, motions, |_| true)
     }
 
-    fn changes(&self, field: &[Quad], motions: &[[DVec3; 2]]) -> Motions {
+    /// How much of what particles and bodies (`impulses`) exchange may be done, from 0 to 1: what takes the most energy.
+    /// Done in part, an exchange takes
+    /// ```text
+    /// E(part) = part (m sum v0 . w - sum J . u0) - part^2 / 2 (m sum |w|^2 + sum J . R J)
+    /// ```
+    /// from particles, free bodies and whoever drives the others; J is a body's impulse. If the system is solved, that
+    /// grows up to a part of more than 1: gain - cost is then what viscosity and drag dissipate.
+    pub fn part(&self, of_particles: Exchanged, impulses: &[[DVec3; 2]]) -> f64 {
+        let mut gain = self.mass * of_particles.along;
+        let mut cost = self.mass * of_particles.square;
+        for (body, (&[push, turn], known)) in impulses.iter().zip(&self.known).enumerate() {
+            gain -= push.dot(known[0]) + turn.dot(known[1]);
+            if self.bodies.is_free(body) {
+                let [linear, angular] = self.bodies.response(body, push, turn);
+                cost += push.dot(linear) + turn.dot(angular);
+            }
+        }
+        if gain >= cost { 1.0 } else { (gain / cost).max(0.0) }
+    }
+
+    fn changes(&self, field: Field, motions: &[[DVec3; 2]]) -> Motions {
         let impulses = self.exchange(field, motions, |body| self.inverses[body].is_some());
         let change = |(impulse, inverse): (&[DVec3; 2], &Option<Matrix6<f64>>)| {
             inverse.map_or([DVec3::ZERO; 2], |inverse| motion(&(inverse * vector(*impulse))))
@@ -87,14 +134,14 @@ impl<'a> Carried<'a> {
         impulses.iter().zip(&self.inverses).map(change).collect()
     }
 
-    fn exchange(&self, field: &[Quad], motions: &[[DVec3; 2]], of: impl Fn(usize) -> bool) -> Motions {
+    fn exchange(&self, field: Field, motions: &[[DVec3; 2]], of: impl Fn(usize) -> bool) -> Motions {
         let mut sums = vec![[DVec3::ZERO; 2]; motions.len()];
         if !(0..motions.len()).any(&of) {
             return sums;
         }
         for drag in self.boundary.drags().filter(|drag| of(drag.body as usize)) {
-            let own = velocity(field[drag.particle as usize]);
-            let impulse = self.scale * drag.rate(own - self.at(drag, motions));
+            let own = field(drag.particle as usize);
+            let impulse = self.mass * self.dt * drag.rate(own - self.at(drag, motions));
             let [linear, angular] = &mut sums[drag.body as usize];
             *linear += impulse;
             *angular += drag.arm(self.bodies).cross(impulse);
@@ -108,7 +155,7 @@ impl<'a> Carried<'a> {
         for drag in self.boundary.drags().filter(|drag| self.bodies.is_free(drag.body as usize)) {
             let resistance = resistances[drag.body as usize].get_or_insert_with(Matrix6::zeros);
             for (column, unit) in units().into_iter().enumerate() {
-                let impulse = self.scale * drag.rate(unit[0] + unit[1].cross(drag.arm(self.bodies)));
+                let impulse = self.mass * self.dt * drag.rate(unit[0] + unit[1].cross(drag.arm(self.bodies)));
                 let both = vector([impulse, drag.arm(self.bodies).cross(impulse)]);
                 resistance.set_column(column, &(resistance.column(column) + both));
             }

@@ -6,7 +6,7 @@ use crate::bodies::{Bodies, BodyDescription, FluidContact, FreeBody, Motion, Wei
 use crate::discretization::Discretization;
 use crate::fields::Fields;
 use crate::neighbours::tests::{Arranged, arrange_with, random, random_points};
-use crate::settings::World;
+use crate::settings::ViscosityMethod;
 use crate::shapes::{Shape, baked, cuboid};
 use nalgebra::{DMatrix, DVector};
 use volmap_runtime::{ClosureKind, DQuat, Dimension, Kernel, KernelKind, Pose, Sample};
@@ -35,6 +35,10 @@ fn shape() -> Shape {
 }
 
 fn bodies(shape: &Shape, locked: bool) -> Bodies {
+    bodies_touched(shape, locked, |contact| contact)
+}
+
+fn bodies_touched(shape: &Shape, locked: bool, touched: impl Fn(FluidContact) -> FluidContact) -> Bodies {
     let free = FreeBody {
         weight: Weight::Density(150.0),
         velocity: DVec3::new(0.3, if locked { 0.0 } else { -0.5 }, 0.2),
@@ -45,11 +49,11 @@ fn bodies(shape: &Shape, locked: bool) -> Bodies {
     let rotation = DQuat::from_axis_angle(DVec3::new(0.48, 0.6, 0.64), 0.7);
     let first = BodyDescription {
         pose: Pose { rotation, ..Pose::default() },
-        fluid_contact: FluidContact { viscosity: 3.0, friction: 1.0 },
+        fluid_contact: touched(FluidContact { viscosity: 3.0, friction: 1.0 }),
         ..shape.body("slab", DVec3::ZERO, Motion::Free(free))
     };
     let plate = BodyDescription {
-        fluid_contact: FluidContact { viscosity: 0.0, friction: 0.5 },
+        fluid_contact: touched(FluidContact { viscosity: 0.0, friction: 0.5 }),
         ..shape.body("plate", DVec3::new(0.1, -0.3, 0.0), Motion::Static)
     };
     let mut bodies = Bodies::new(vec![first, plate], DVec3::new(0.0, -9.81, 0.0)).unwrap();
@@ -95,6 +99,14 @@ fn field(count: usize, seed: u64) -> Vec<Quad> {
 }
 
 impl Scene {
+    /// The same with surfaces of so large coefficients.
+    fn touched(mut self, shape: &Shape, coefficient: f64) -> Scene {
+        let contact = FluidContact { viscosity: coefficient, friction: coefficient };
+        self.bodies = bodies_touched(shape, false, |_| contact);
+        self.boundary.sample(&self.bodies, &self.positions, &self.neighbours);
+        self
+    }
+
     fn system(&self) -> System<'_> {
         System {
             neighbours: &self.neighbours,
@@ -116,6 +128,63 @@ impl Scene {
             assert!((*after - carried::velocity(*before) - change).length() < 1e-6);
         }
         (solved.report, velocities[..self.positions.len()].to_vec(), solved.on_bodies)
+    }
+
+    /// What the force makes of a viscosity; the stiff solver in any case, if `stiff`.
+    fn act(
+        &self,
+        viscosity: f64,
+        settings: &ViscositySolveSettings,
+        stiff: bool,
+    ) -> (SolveReport, Vec<DVec3>, Motions) {
+        let (world, mut velocities) = (world(), self.fields.velocities.clone());
+        let fluid =
+            FluidSettings { viscosity, viscosity_method: ViscosityMethod::Implicit, ..Default::default() };
+        let step = ForceStep {
+            dt: DT,
+            world: &world,
+            with: with(),
+            particle_mass: MASS,
+            neighbours: &self.neighbours,
+            boundary: &self.boundary,
+            bodies: &self.bodies,
+            positions: &self.positions,
+            places: &self.fields.places,
+            densities: &self.fields.densities,
+        };
+        let mut channels = Channels::default();
+        channels.declare(CHANGES, velocities.len()).unwrap();
+        let mut force = ImplicitViscosity::new(&fluid, &world, settings);
+        let solved = match stiff {
+            true => {
+                let changes = channels.vectors_mut(CHANGES.name);
+                force.stiff.solve(&self.system(), &step, settings, &mut velocities, changes)
+            }
+            false => force.solve(&step, &mut velocities, &mut channels).unwrap(),
+        };
+        (solved.report, velocities.iter().map(|&v| carried::velocity(v)).collect(), solved.on_bodies)
+    }
+
+    /// Momentum and angular momentum about the origin, where the slab's centre is, that a solve loses, the sum of the
+    /// sizes of all that is exchanged, and the energy that particles and free body gain.
+    fn balance(&self, velocities: &[DVec3], forces: &Motions) -> ([DVec3; 2], f64, f64) {
+        let (mut lost, mut size, mut energy) = ([DVec3::ZERO; 2], 0.0, 0.0);
+        for ((after, before), x) in velocities.iter().zip(&self.fields.velocities).zip(&self.positions) {
+            let before = carried::velocity(*before);
+            let change = MASS * (*after - before);
+            lost = [lost[0] + change, lost[1] + x.cross(change)];
+            size += change.length();
+            energy += 0.5 * change.dot(*after + before);
+        }
+        for (body, [push, turn]) in forces.iter().enumerate() {
+            let arm = self.bodies.center_of_mass(body);
+            lost = [lost[0] + DT * *push, lost[1] + DT * (*turn + arm.cross(*push))];
+        }
+        let ([push, turn], known) = (forces[0], self.known());
+        let moved = self.bodies.response(0, push, turn);
+        energy += DT * push.dot(known[0] + 0.5 * DT * moved[0]);
+        energy += DT * turn.dot(known[1] + 0.5 * DT * moved[1]);
+        (lost, size, energy)
     }
 
     /// Velocity of the free body at its centre and about it, by gravity and what was applied.
@@ -222,7 +291,7 @@ fn the_matrix_is_symmetric_and_at_least_one() {
     let (system, count) = (scene.system(), scene.positions.len());
     let product = |field: &[Quad]| {
         let mut out = vec![[0.0; 4]; field.len()];
-        let bodies = system.carried.response(field);
+        let bodies = system.carried.response(&of(field));
         system.apply(&Unknowns { fluid: field, bodies: &bodies }, &mut out);
         out
     };
@@ -258,20 +327,60 @@ fn a_coarse_solve_keeps_momentum_and_angular_momentum() {
     let coarse = ViscositySolveSettings { max_error: 0.05, max_iterations: 100 };
     let (report, velocities, forces) = scene.solve(&coarse);
     assert!(report.error > 1e-3, "{report:?}");
-    // What particles and bodies got; angular momentum about the origin, where the slab's centre is.
-    let (mut lost, mut size) = ([DVec3::ZERO; 2], 0.0);
-    for ((after, before), x) in velocities.iter().zip(&scene.fields.velocities).zip(&scene.positions) {
-        let change = MASS * (*after - carried::velocity(*before));
-        lost = [lost[0] + change, lost[1] + x.cross(change)];
-        size += change.length();
-    }
-    for (body, [push, turn]) in forces.iter().enumerate() {
-        let arm = scene.bodies.center_of_mass(body);
-        lost = [lost[0] + DT * *push, lost[1] + DT * (*turn + arm.cross(*push))];
+    let (lost, size, _) = scene.balance(&velocities, &forces);
+    for (body, [push, _]) in forces.iter().enumerate() {
         assert!(push.length() * DT > 0.002 * size, "{body} {push} {size}");
     }
     assert!(lost[0].length() < 2e-6 * size, "{} of {size}", lost[0]);
     assert!(lost[1].length() < 1e-6 * size, "{} of {size}", lost[1]);
+}
+
+/// However stiff fluid and surfaces are, and wherever the solve ends.
+#[test]
+fn a_solve_at_its_limit_keeps_momenta_and_adds_no_energy() {
+    let shape = shape();
+    for (coefficient, viscosities) in [(1.0, [0.8, 1e3, 1e6, 1e9]), (1e9, [0.0, 0.8, 1e5, 1e9])] {
+        let scene = scene(&shape, false, 300).touched(&shape, coefficient);
+        let before: f64 = scene.fields.velocities.iter().map(|&v| 0.5 * MASS * dot(v, v)).sum();
+        for viscosity in viscosities {
+            for (max_error, max_iterations) in
+                [(1e-3, 0), (1e-3, 1), (1e-3, 3), (1e-3, 20), (0.5, 200), (1e-3, 200)]
+            {
+                let settings = ViscositySolveSettings { max_error, max_iterations };
+                let (report, velocities, forces) = scene.act(viscosity, &settings, false);
+                let (lost, size, energy) = scene.balance(&velocities, &forces);
+                let case = format!("{coefficient} {viscosity} {settings:?} {report:?}");
+                assert!(report.iterations <= max_iterations, "{case}");
+                // Velocities are rounded to 6e-8.
+                let size = size + MASS * 0.3 * velocities.len() as f64;
+                assert!(lost[0].length() < 1e-6 * size, "{case}: {} of {size}", lost[0]);
+                assert!(lost[1].length() < 1e-6 * size, "{case}: {} of {size}", lost[1]);
+                assert!(energy < 1e-6 * before, "{case}: {energy} of {before}");
+                // A loose cloud that is stirred is harder than any fluid.
+                if viscosity <= 1.0 && max_iterations == 200 {
+                    assert!(report.error <= max_error && energy < -0.1 * before, "{case}: {energy}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_stiff_solver_solves_the_same_system() {
+    let scene = scene(&shape(), false, 200);
+    let exact = scene.dense_solution();
+    let exactly = ViscositySolveSettings { max_error: 1e-9, ..EXACTLY };
+    let (report, velocities, forces) = scene.act(VISCOSITY, &exactly, true);
+    assert!(report.error <= exactly.max_error && report.iterations > 3, "{report:?}");
+    let at = |n: usize| DVec3::new(exact[3 * n], exact[3 * n + 1], exact[3 * n + 2]);
+    for (n, got) in velocities.iter().enumerate() {
+        assert!((*got - at(n)).length() < 1e-6, "{n}: {got} {}", at(n));
+    }
+    let moved = scene.bodies.response(0, forces[0][0], forces[0][1]);
+    for (part, known) in scene.known().into_iter().enumerate() {
+        let (got, wanted) = (known + DT * moved[part], at(velocities.len() + part));
+        assert!((got - wanted).length() < 1e-6 * wanted.length(), "{part}: {got} {wanted}");
+    }
 }
 
 #[test]
