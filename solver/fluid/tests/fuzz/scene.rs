@@ -10,6 +10,7 @@ use volmap_fluid::bodies::{
     Spin, Weight,
 };
 use volmap_fluid::emitter::{Emitter, Jet};
+use volmap_fluid::forces::viscosity::viscous_weights;
 use volmap_fluid::lattice::fill_box;
 use volmap_fluid::particles::Particles;
 use volmap_fluid::settings::{
@@ -23,7 +24,9 @@ use volmap_runtime::{ClosureKind, DQuat, DVec3, KernelKind, Pose};
 
 /// Particles at most, of blocks; emitters add some.
 pub const MOST_PARTICLES: usize = 500;
-const RP: f64 = 0.025;
+pub const RP: f64 = 0.025;
+/// From here on viscosity is solved for in double precision.
+const DOUBLE_PRECISION: f64 = 1e4;
 /// Two blocks are so many rp apart: as near as a lattice's particles they would begin pressed together.
 const APART: f64 = 2.5;
 /// Half of the edge of the tank, and of the space that all is put into without one, metres.
@@ -50,6 +53,8 @@ pub struct Scene {
     pub forces: Forces,
     /// What its energy is compared with, joule.
     pub energy: f64,
+    /// How often over viscosity takes a particle's velocity in a step, where that is solved for in single precision.
+    pub stiffness: f64,
     /// Whether some body does what it is told, or an emitter gives energy.
     pub is_driven: bool,
     /// Whether something static takes momentum, or something driven gives it.
@@ -206,6 +211,9 @@ impl Scene {
         );
         let domain = Some([DVec3::splat(-100.0), DVec3::splat(100.0)]);
         let steps = 60 + dice.below(120);
+        let [_, implicit] = fluid.viscosities();
+        let exchanged = solver.time_step.max * implicit * viscous_weights(&world);
+        let stiffness = if exchanged > DOUBLE_PRECISION { 0.0 } else { exchanged };
         let setup = Setup { fluid, solver, emitters, domain, ..Setup::new(world, particles, bodies) };
         let gravity = setup.world.gravity;
         let simulation = Simulation::new(setup)?;
