@@ -51,6 +51,7 @@ mod fused;
 pub mod lattice;
 pub mod neighbours;
 pub mod observe;
+pub mod packing;
 pub mod pairs;
 pub mod particles;
 pub mod plane;

@@ -15,9 +15,9 @@
 //! too low. Müller et al. 2003, who made it, take densities by it and forces by the spiky kernel's gradient, and so does
 //! this; scaled, so that an even compression of the lattice changes the density as fast as it really does.
 
-use crate::settings::{FluidSettings, World};
+use crate::settings::{BoundaryMethod, BoundaryPressure, FluidSettings, World};
 use std::f64::consts::PI;
-use volmap_runtime::{DVec3, Dimension, KernelKind};
+use volmap_runtime::{ClosureKind, DVec3, Dimension, KernelKind};
 
 /// A sum so near to 1 stays 1: a fifth of what the solves leave of an error. It is for the default, whose sum is
 /// 0.99997.
@@ -36,6 +36,24 @@ impl World {
     /// but for particles of more or less volume.
     pub fn rest_spacing(&self, fluid: &FluidSettings) -> f64 {
         2.0 * (self.particle_radius * fluid.volume_factor.powf(1.0 / self.dimension.count() as f64))
+    }
+
+    /// How far from walls the fluid's first layer rests, metres: particles that begin nearer are pushed away. Measured
+    /// with the default kernel and r = 4 rp (solver/METHODS.md, combinations); of wider ones in proportion. rp where it
+    /// would sink nearer.
+    pub fn resting_distance(&self, pressure: BoundaryPressure) -> f64 {
+        let is_own = pressure == BoundaryPressure::Own;
+        let of = |own: f64, other: f64| if is_own { own } else { other };
+        let radii = match (self.boundary, self.closure) {
+            (BoundaryMethod::VolumeMap, ClosureKind::Offset) => of(2.35, 2.59),
+            (BoundaryMethod::VolumeMap, ClosureKind::Paper) => of(2.83, 3.06),
+            (BoundaryMethod::VolumeMap, _) => 1.0,
+            (BoundaryMethod::DensityMap, _) => of(1.23, 1.9),
+            (BoundaryMethod::TubeMap, _) => of(1.34, 1.73),
+            (BoundaryMethod::Particles, _) => of(1.86, 2.32),
+        };
+        let scale = (self.support_radius / (4.0 * self.particle_radius)).max(1.0);
+        self.particle_radius * if radii > 1.0 { radii * scale } else { 1.0 }
     }
 
     /// S: the kernel's sum over the fluid's lattice at rest, by which densities are divided.

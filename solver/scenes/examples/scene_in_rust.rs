@@ -38,7 +38,12 @@ pub fn scene(folder: &Path) -> Result<Scene, Box<dyn Error>> {
     Ok(Scene {
         particle_radius: 0.025,
         cache: Some(folder.join("maps")),
-        blocks: vec![Block { min: [-0.4, 0.0, -0.4], max: [0.4, 0.3, 0.4], velocity: [0.0; 3] }],
+        blocks: vec![Block {
+            min: [-0.4, 0.0, -0.4],
+            max: [0.4, 0.3, 0.4],
+            velocity: [0.0; 3],
+            packing: Default::default(),
+        }],
         bodies: vec![
             // The solid is outside of the mesh.
             Body { bake: Parameters { invert: Some(true), ..Parameters::default() }, ..tank },

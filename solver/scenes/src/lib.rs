@@ -15,7 +15,7 @@
 //! let text = "version = 1\nparticle_radius = 0.05\nblocks = [{ min = [0, 0, 0], max = [1, 1, 1] }]";
 //! let read = scene::parse(text, Syntax::Toml, "a scene")?;
 //!
-//! let block = Block { min: [0.0; 3], max: [1.0; 3], velocity: [0.0; 3] };
+//! let block = Block { min: [0.0; 3], max: [1.0; 3], velocity: [0.0; 3], packing: Default::default() };
 //! let made = Scene { particle_radius: 0.05, blocks: vec![block], ..Scene::default() };
 //! assert_eq!(read, made);
 //!
@@ -37,7 +37,7 @@
 //! use volmap_scenes::assemble::assemble;
 //!
 //! # fn main() -> Result<(), volmap_scenes::Error> {
-//! # let block = Block { min: [0.0; 3], max: [0.5; 3], velocity: [0.0; 3] };
+//! # let block = Block { min: [0.0; 3], max: [0.5; 3], velocity: [0.0; 3], packing: Default::default() };
 //! # let scene = Scene { particle_radius: 0.05, blocks: vec![block], ..Scene::default() };
 //! let watch = Watch::default();
 //! let prepared = scene::prepare(&scene, &watch, &mut |mesh| println!("baking {}", mesh.display()))?;
@@ -69,6 +69,7 @@
 pub mod assemble;
 pub mod error;
 pub mod output;
+mod packing;
 pub mod plan;
 pub mod resume;
 pub mod scene;

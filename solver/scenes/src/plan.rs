@@ -3,8 +3,10 @@
 
 use crate::assemble::assemble;
 use crate::error::Error;
+use crate::packing::pack;
 use crate::scene::memory::Limit;
 use crate::scene::sources::SourceCount;
+use crate::scene::walls::Relaxed;
 use crate::scene::{self, PreparedBody, Scene, SceneSummary, SourceFile, cut, placement, summary};
 use std::path::Path;
 use volmap_bake::watch::Watch;
@@ -24,6 +26,21 @@ pub struct Plan {
     pub files: Vec<SourceFile>,
     /// What the user should look at.
     pub notes: Vec<String>,
+    /// Sources whose particles [`Plan::pack`] spreads.
+    relaxed: Vec<Relaxed>,
+}
+
+impl Plan {
+    /// Spreads the particles of relaxed sources, which takes as long as some hundred steps. Before the first step; a run
+    /// that goes on from a checkpoint needs none of it.
+    ///
+    /// # Errors
+    /// As [`Simulation::step`].
+    pub fn pack(&mut self, scene: &Scene, watch: &Watch) -> Result<(), Error> {
+        let notes = pack(&mut self.simulation, scene, &self.bodies, &self.relaxed, watch)?;
+        self.notes.extend(notes);
+        Ok(())
+    }
 }
 
 /// Checks a scene, opens or bakes its maps, places its particles and bodies. `end` is that of the run, seconds;
@@ -64,9 +81,10 @@ pub fn plan_within(
     let jets = prepared.emitters.iter().flat_map(|emitter| emitter.places());
     let fluid: Vec<_> = prepared.particles.positions.iter().copied().chain(jets).collect();
     notes.extend(cut::notes(&bodies, &fluid, scene.domain.as_ref()));
+    let relaxed = prepared.relaxed.clone();
     let simulation = Simulation::new(assemble(scene, prepared)?)?;
     notes.extend(unlike_masses(&simulation));
-    Ok(Plan { simulation, bodies, counts, files, notes })
+    Ok(Plan { simulation, bodies, counts, files, notes, relaxed })
 }
 
 /// A note if a free body is so much heavier than another one that it sinks into it.
@@ -99,6 +117,7 @@ fn unlike_masses(simulation: &Simulation) -> Option<String> {
 pub fn check(path: &Path, watch: &Watch, on_bake: &mut dyn FnMut(&Path)) -> Result<SceneSummary, Error> {
     let scene = scene::load(path)?;
     let mut plan = plan(&scene, scene.stop.time, watch, on_bake)?;
+    plan.pack(&scene, watch)?;
     let masses = (0..plan.bodies.len()).map(|body| plan.simulation.bodies().mass(body).copied()).collect();
     let mut summary = summary::summarize(&scene, path, &plan.bodies, &plan.counts, masses);
     summary.notes.extend(std::mem::take(&mut plan.notes));

@@ -9,6 +9,7 @@
 
 pub mod body;
 mod check;
+mod count;
 pub mod cut;
 mod defaults;
 pub mod fluid;
@@ -22,11 +23,13 @@ pub mod placement;
 pub mod prepare;
 mod read;
 pub mod sources;
+mod space;
 pub mod summary;
 pub mod surface;
+pub mod walls;
 
 pub use body::{Body, FreeMotion, Keyframe, Material, Motion, Spin};
-pub use fluid::{Block, EmitterSettings, Fill, Nozzle};
+pub use fluid::{Block, EmitterSettings, Fill, Nozzle, Packing};
 pub use numbers::{Region, Rotation};
 pub use output::{OutputSettings, Picture, StopSettings};
 pub use prepare::{Prepared, PreparedBody, SourceFile, prepare, prepare_within};

@@ -132,7 +132,12 @@ impl Session {
         scene.validate()?;
         let lock = claim(folder, settings.begin)?;
         let end = settings.until.unwrap_or(scene.stop.time);
-        let planned = plan_within(&scene, end, settings.max_memory, watch, on_bake);
+        let planned = plan_within(&scene, end, settings.max_memory, watch, on_bake).and_then(|mut plan| {
+            if settings.begin != Begin::Resume {
+                plan.pack(&scene, watch)?;
+            }
+            Ok(plan)
+        });
         let (plan, lock) = match planned {
             Ok(plan) => (plan, lock),
             Err(error) => {

@@ -53,7 +53,12 @@ fn simulation(scene: &Scene) -> Simulation {
 
 /// 9 x 5 x 9 particles in a tank of a metre, which begin a spacing from its walls.
 fn tank(boundary: BoundaryMethod, pressure: BoundaryPressure) -> Scene {
-    let block = Block { min: [-0.45, 0.05, -0.45], max: [0.45, 0.55, 0.45], velocity: [0.0; 3] };
+    let block = Block {
+        min: [-0.45, 0.05, -0.45],
+        max: [0.45, 0.55, 0.45],
+        velocity: [0.0; 3],
+        packing: Default::default(),
+    };
     Scene { blocks: vec![block], ..scene(boundary, pressure, vec![cube(1.0, true)]) }
 }
 
@@ -61,7 +66,12 @@ fn tank(boundary: BoundaryMethod, pressure: BoundaryPressure) -> Scene {
 fn collision(boundary: BoundaryMethod, pressure: BoundaryPressure) -> Scene {
     let free = Motion::Free(FreeMotion { density: Some(500.0), ..FreeMotion::default() });
     let body = Body { motion: free, ..cube(0.5, false) };
-    let block = Block { min: [-0.8, 0.1, -0.2], max: [-0.3, 0.4, 0.2], velocity: [1.0, 0.0, 0.0] };
+    let block = Block {
+        min: [-0.8, 0.1, -0.2],
+        max: [-0.3, 0.4, 0.2],
+        velocity: [1.0, 0.0, 0.0],
+        packing: Default::default(),
+    };
     let domain = Some(volmap_scenes::scene::Region { min: [-50.0; 3], max: [50.0; 3] });
     Scene { gravity: [0.0; 3], blocks: vec![block], domain, ..scene(boundary, pressure, vec![body]) }
 }
@@ -181,7 +191,12 @@ fn water_rests_on_tubes_in_a_bowl() {
     std::fs::write(&path, vertices.chain(faces).collect::<String>()).unwrap();
     let bake = Parameters { invert: Some(true), cell_size: Some(2.0 * RADIUS), ..Parameters::default() };
     let body = Body { mesh: Some(path), bake, ..Body::default() };
-    let block = Block { min: [-0.3, -0.4, -0.3], max: [0.3, 0.0, 0.3], velocity: [0.0; 3] };
+    let block = Block {
+        min: [-0.3, -0.4, -0.3],
+        max: [0.3, 0.0, 0.3],
+        velocity: [0.0; 3],
+        packing: Default::default(),
+    };
     for pressure in [Own, Mls] {
         let scene = Scene { blocks: vec![block.clone()], ..scene(TubeMap, pressure, vec![body.clone()]) };
         let rest = settle(&scene, 1.2);

@@ -30,7 +30,7 @@ fn scene(bodies: Vec<Body>) -> Scene {
         particle_radius: 0.5 * SPACING,
         gravity: [0.0; 3],
         cache: Some(Path::new(env!("CARGO_TARGET_TMPDIR")).join("maps")),
-        blocks: vec![Block { min: [9.0; 3], max: [9.3; 3], velocity: [0.0; 3] }],
+        blocks: vec![Block { min: [9.0; 3], max: [9.3; 3], velocity: [0.0; 3], packing: Default::default() }],
         bodies,
         ..Scene::default()
     }

@@ -11,7 +11,9 @@ use volmap_formats::export::ply;
 use volmap_formats::mesh::TriangleMesh;
 use volmap_scenes::assemble::assemble;
 use volmap_scenes::plan;
-use volmap_scenes::scene::{Block, Body, FreeMotion, Motion, Region, Rotation, Scene, SceneSummary, prepare};
+use volmap_scenes::scene::{
+    Block, Body, FreeMotion, Motion, Packing, Region, Rotation, Scene, SceneSummary, prepare,
+};
 use volmap_scenes::session::{RunSettings, Session};
 
 const EDGE: f64 = 0.2;
@@ -27,7 +29,12 @@ fn scene(folder: &TempDir, body: Body) -> Scene {
     };
     Scene {
         cache: Some(folder.path().join("maps")),
-        blocks: vec![Block { min: [0.15, 0.1, 0.15], max: [0.2, 0.15, 0.2], velocity: [0.0; 3] }],
+        blocks: vec![Block {
+            min: [0.15, 0.1, 0.15],
+            max: [0.2, 0.15, 0.2],
+            velocity: [0.0; 3],
+            packing: Packing::default(),
+        }],
         bodies: vec![tank, body],
         ..Scene::default()
     }

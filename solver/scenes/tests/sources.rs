@@ -38,7 +38,7 @@ fn run(scene: &Scene) -> Result<Prepared, String> {
 }
 
 fn cube(min: [f64; 3], edge: f64) -> Block {
-    Block { min, max: min.map(|x| x + edge), velocity: [1.0, 2.0, 3.0] }
+    Block { min, max: min.map(|x| x + edge), velocity: [1.0, 2.0, 3.0], packing: Default::default() }
 }
 
 fn nearest_pair(points: &[DVec3]) -> f64 {

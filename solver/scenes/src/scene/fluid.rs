@@ -12,6 +12,25 @@ use volmap_fluid::lattice::{self, MAX_PARTICLES};
 use volmap_formats::text::{number, thousands};
 use volmap_runtime::Pose;
 
+/// How the particles of a box or a solid lie at the start.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Packing {
+    /// On a cubic lattice of spacing 2 rp. It leaves a shell empty where walls and bodies aren't faces of the lattice.
+    #[default]
+    Lattice,
+    /// As many as the space less bodies holds, by its volume. Before time 0 they are spread until the density is at
+    /// rest everywhere, up to walls and bodies, and let settle until they have the pressures of their depth, bodies
+    /// held. It takes as long as some hundred steps.
+    Relaxed,
+}
+
+impl Packing {
+    fn is_lattice(&self) -> bool {
+        *self == Packing::Lattice
+    }
+}
+
 /// A box of particles on a cubic lattice of spacing 2 rp; the first lie rp from the faces of `min`. What is
 /// left of an edge that is no multiple of 2 rp stays empty at `max`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -24,10 +43,14 @@ pub struct Block {
     /// Velocity at the start, m/s. Default: 0.
     #[serde(default)]
     pub velocity: [f64; 3],
+    /// How its particles lie. Default: on the lattice.
+    #[serde(default, skip_serializing_if = "Packing::is_lattice")]
+    pub packing: Packing,
 }
 
-/// A solid filled with particles: a cubic lattice of spacing 2 rp along the world's axes, of which the points
-/// at least rp deep in the solid are taken. A container (an inverted map) is filled with what it can hold.
+/// A solid filled with particles: a cubic lattice of spacing 2 rp along the world's axes, of which the points are taken
+/// that lie as deep in the solid as fluid rests from walls: rp, with some boundary methods up to 2.8 rp. A container (an
+/// inverted map) is filled with what it can hold.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Fill {
@@ -48,6 +71,9 @@ pub struct Fill {
     pub within: Option<Region>,
     /// Velocity at the start, m/s.
     pub velocity: [f64; 3],
+    /// How its particles lie. Default: on the lattice.
+    #[serde(skip_serializing_if = "Packing::is_lattice")]
+    pub packing: Packing,
 }
 
 /// A nozzle. Layers of particles leave it, spaced 2 rp in the direction of the flow and across it.
@@ -151,6 +177,11 @@ impl Fill {
         if let Some(within) = &self.within {
             within.check(&at.key("within"))?;
         }
+        at.require("packing", self.packing.is_lattice() || self.map.is_none(), || {
+            "\"relaxed\" needs `mesh` or `shape`: its particles are spread between walls around the solid, which a map \
+             alone doesn't give"
+                .into()
+        })?;
         at.vector("velocity", self.velocity)
     }
 }

@@ -79,11 +79,11 @@ pub struct Library<'a> {
     on_bake: &'a mut dyn FnMut(&Path),
 }
 
-/// The surface of a body's solid as far as its file tells it, with its overlapping parts; none if it can't be read, or
+/// The surface of a body's or fill's solid as far as its file tells it, with its overlapping parts; none if it can't be read, or
 /// only the map has it.
-pub fn surface_without_map(body: &Body) -> Option<Surface> {
-    let mut recipe = body.bake.recipe();
-    let mut input = match body.source()? {
+pub fn surface_without_map(source: Source, bake: &Parameters) -> Option<Surface> {
+    let mut recipe = bake.recipe();
+    let mut input = match source {
         Source::Map(_) => return None,
         Source::Mesh(path, _) => input::load(path, &recipe.input).ok()?,
         Source::Shape(shape, _) => {

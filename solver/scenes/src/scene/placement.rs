@@ -100,7 +100,7 @@ fn surface(body: &PreparedBody, rp: f64) -> Vec<DVec3> {
 }
 
 /// The middles of equal parts of the triangles, no wider than a particle, or than what [`POINTS`] parts would be.
-fn spread(mesh: &TriangleMesh, rp: f64) -> Vec<DVec3> {
+pub(super) fn spread(mesh: &TriangleMesh, rp: f64) -> Vec<DVec3> {
     let corners = |triangle: &[u32; 3]| triangle.map(|corner| DVec3::from(mesh.vertices[corner as usize]));
     let area = |[a, b, c]: [DVec3; 3]| 0.5 * (b - a).cross(c - a).length();
     let total: f64 = mesh.triangles.iter().map(|triangle| area(corners(triangle))).sum();

@@ -2,14 +2,14 @@
 
 use super::Scene;
 use super::body::{self, Body, Source};
-use super::fluid::EmitterSettings;
-use super::fluid::Fill;
+use super::fluid::{EmitterSettings, Fill};
 use super::map::{Library, Origin, Shape};
 use super::memory::{Limit, of_maps};
 use super::nozzle;
 use super::overlap::{BODY_MARGIN, Placed, bounds, drop_in_bodies};
 use super::sources::{self, PlacedParticles, Solid, SourceCount};
 use super::surface::Surface;
+use super::walls::{self, Relaxed};
 use crate::error::Error;
 use glam::DVec3;
 use std::path::{Path, PathBuf};
@@ -30,8 +30,10 @@ use volmap_runtime::{Pose, PosedMap, VolumeMap};
 pub struct Prepared {
     /// Bodies in the scene's order.
     pub bodies: Vec<PreparedBody>,
-    /// The fluid at the start.
+    /// The fluid at the start; that of relaxed sources is not spread yet.
     pub particles: PlacedParticles,
+    /// Sources whose particles are spread before time 0.
+    pub relaxed: Vec<Relaxed>,
     /// Emitters in the scene's order.
     pub emitters: Vec<Emitter>,
     /// Files of the bodies, then of the fills, in the scene's order.
@@ -112,17 +114,19 @@ fn prepare_from(scene: &Scene, library: Library) -> Result<Prepared, Error> {
     let mut files = Vec::new();
     let bodies = prepare_bodies(scene, &mut library, &mut files)?;
     let solids = prepare_solids(scene, &mut library, &mut files)?;
-    let mut notes = scene.notes.clone();
-    notes.extend(library.notes);
     let posed: Vec<PosedMap> = bodies.iter().map(PreparedBody::posed).collect();
     let particles = sources::fill(scene, &solids, &posed)?;
+    let relaxed = prepare_walls(scene, &mut library, &solids, &posed, &particles)?;
+    let mut notes = scene.notes.clone();
+    notes.extend(library.notes);
     let emitter = |settings| nozzle::emitter(settings, scene.rest_spacing());
     let emitters: Vec<Emitter> = scene.emitters.iter().map(emitter).collect();
     check_not_empty(scene, &particles, &emitters, &bodies)?;
     notes.extend(particles.counts.iter().filter_map(left_out));
+    notes.extend(particles.counts.iter().filter_map(|count| left_empty(count, scene)));
     notes.extend(emitters.iter().enumerate().filter_map(|(i, emitter)| blocked(i, emitter, &posed, scene)));
     notes.extend(overlapping(scene, &emitters));
-    Ok(Prepared { bodies, particles, emitters, files, notes })
+    Ok(Prepared { bodies, particles, relaxed, emitters, files, notes })
 }
 
 fn prepare_bodies(
@@ -161,18 +165,48 @@ fn prepare_solids(
         let key = format!("fills[{i}]");
         let fill = &Fill { shape: library.bounded(fill.shape, fill.pose()), ..fill.clone() };
         let source = given(fill.source(), &key)?;
-        let Shape { map, mesh, primitive, content, .. } = library.obtain(source, &key)?;
+        let Shape { map, mesh: surface, primitive, content, .. } = library.obtain(source, &key)?;
         files.push(SourceFile { path: source.path().to_owned(), content });
-        let mesh = mesh.map(|mesh| BoundaryDistance {
+        let mesh = surface.clone().map(|mesh| BoundaryDistance {
             mesh: MeshDistance::new(&mesh, SignMethod::Auto, &diagnose(&mesh)),
             shape: primitive,
             invert: false,
             thickness: 0.0,
         });
         let map = PosedMap { map, pose: fill.pose() };
-        solids.push(Solid { map, mesh, thickness: fill.bake.thickness.unwrap_or(0.0) });
+        solids.push(Solid { map, mesh, surface, thickness: fill.bake.thickness.unwrap_or(0.0) });
     }
     Ok(solids)
+}
+
+/// The relaxed sources, and what holds each together while its particles are spread.
+fn prepare_walls(
+    scene: &Scene,
+    library: &mut Library,
+    solids: &[Solid],
+    posed: &[PosedMap],
+    particles: &PlacedParticles,
+) -> Result<Vec<Relaxed>, Error> {
+    let mut relaxed = Vec::new();
+    for (n, (count, range)) in particles.counts.iter().zip(particles.ranges()).enumerate() {
+        if !count.is_relaxed || range.is_empty() {
+            continue;
+        }
+        let key = &count.key;
+        let walls = match n.checked_sub(scene.blocks.len()) {
+            None => {
+                let block = &scene.blocks[n];
+                walls::of_block(library, block, scene.space(Some(block.region()), None, posed), key)?
+            }
+            Some(n) => {
+                let (fill, solid) = (&scene.fills[n], &solids[n]);
+                let space = scene.space(fill.within, Some(solid), posed);
+                walls::of_fill(library, fill, solid, space, key)?
+            }
+        };
+        relaxed.push(Relaxed { key: key.clone(), particles: range, walls });
+    }
+    Ok(relaxed)
 }
 
 /// How many boundary particles a body gets; none with maps.
@@ -295,6 +329,37 @@ fn overlapping(scene: &Scene, emitters: &[Emitter]) -> Vec<String> {
         ))
     };
     (0..emitters.len()).filter_map(note).collect()
+}
+
+/// A lattice leaves this part of a solid empty without a note, or of the room that bodies take in a block.
+const EMPTY_OF_FILL: f64 = 0.03;
+const EMPTY_OF_BODIES: f64 = 0.05;
+
+/// How much of its space a lattice leaves empty, if that is worth a note.
+fn left_empty(count: &SourceCount, scene: &Scene) -> Option<String> {
+    let volume = scene.particle_volume();
+    let filled = count.particles as f64 * volume;
+    let empty = count.space - filled;
+    if count.is_relaxed || count.particles == 0 || count.duplicates + count.outside > 0 {
+        return None;
+    }
+    let cure = "packing = \"relaxed\" fills it";
+    if count.key.starts_with("fills") {
+        let (part, space) = (percent(filled / count.space), significant(count.space, 3));
+        let is_much = empty > EMPTY_OF_FILL * count.space;
+        return is_much
+            .then(|| format!("{}: its lattice fills {part} of its solid of {space} m^3; {cure}", count.key));
+    }
+    let in_bodies = count.in_bodies as f64 * volume;
+    (in_bodies > 0.0 && empty > EMPTY_OF_BODIES * in_bodies).then(|| {
+        let (shell, particles) = (significant(empty, 2), (empty / volume).round() as u64);
+        format!(
+            "{}: its lattice leaves {shell} m^3 empty around bodies and at its faces, room for {} particles, into which \
+             water and bodies fall at first; {cure}",
+            count.key,
+            thousands(particles)
+        )
+    })
 }
 
 fn blocked(index: usize, emitter: &Emitter, bodies: &[PosedMap], scene: &Scene) -> Option<String> {

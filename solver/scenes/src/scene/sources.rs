@@ -1,14 +1,20 @@
 //! The fluid at the start: lattices of particles in boxes and solids, without those that can't be there.
 
 use super::Scene;
-use super::fluid::Fill;
+use super::count::make_count;
+use super::fluid::{Fill, Packing};
+use super::numbers::Region;
 use super::overlap::{BODY_MARGIN, Placed, bounds, drop_in_bodies, drop_outside};
+use super::space::Space;
 use crate::error::Error;
 use glam::{BVec3, DVec3};
 use serde::Serialize;
+use std::ops::Range;
+use std::sync::Arc;
 use volmap_bake::sdf::{BoundaryDistance, SignedDistance};
 use volmap_fluid::lattice::{self, MAX_PARTICLES};
 use volmap_formats::asset::Exterior;
+use volmap_formats::mesh::TriangleMesh;
 use volmap_formats::text::{number, thousands};
 use volmap_runtime::{PosedMap, Values};
 
@@ -27,8 +33,26 @@ pub struct Solid {
     /// Its mesh in the map's frame, if there is one. It is more exact than the map in the corners of a box, where
     /// particles must fit.
     pub mesh: Option<BoundaryDistance>,
+    /// The mesh itself, in the map's frame.
+    pub surface: Option<Arc<TriangleMesh>>,
     /// Offset of the map's surface from the mesh, out of the solid, metres.
     pub thickness: f64,
+}
+
+impl Solid {
+    /// A box around its map's grid, metres.
+    pub(super) fn bounds(&self) -> [DVec3; 2] {
+        let (middle, half) = self.middle_and_half();
+        [middle - half, middle + half]
+    }
+
+    fn middle_and_half(&self) -> (DVec3, DVec3) {
+        let grid = self.map.map.grid();
+        let [low, high] = [grid.origin, grid.max_corner()];
+        let turned = |axis: DVec3| (self.map.pose.rotation * (axis * (high - low))).abs();
+        let half = 0.5 * (turned(DVec3::X) + turned(DVec3::Y) + turned(DVec3::Z));
+        (self.map.pose.to_world(0.5 * (low + high)), half)
+    }
 }
 
 /// The fluid at the start.
@@ -43,7 +67,7 @@ pub struct PlacedParticles {
 }
 
 /// How many particles a source gave.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct SourceCount {
     /// Its key, as `blocks[0]`.
     pub key: String,
@@ -55,6 +79,10 @@ pub struct SourceCount {
     pub duplicates: u64,
     /// Left out: out of the domain.
     pub outside: u64,
+    /// Volume of its box or solid without bodies, m^3.
+    pub space: f64,
+    /// Whether its particles are spread, as many as its space holds.
+    pub is_relaxed: bool,
 }
 
 /// Particles of all blocks and fills. `solids` are those of the fills, `bodies` the placed maps of the bodies.
@@ -62,26 +90,23 @@ pub struct SourceCount {
 /// # Errors
 /// More particles than can be.
 pub fn fill(scene: &Scene, solids: &[Solid], bodies: &[PosedMap]) -> Result<PlacedParticles, Error> {
-    let (rp, spacing) = (scene.particle_radius, scene.spacing());
-    let mut sources: Vec<Source> = Vec::new();
-    for (i, block) in scene.blocks.iter().enumerate() {
-        let points = lattice::fill_box(block.region().corners(), spacing).collect();
-        sources.push(Source { key: format!("blocks[{i}]"), velocity: block.velocity.into(), points });
-        check_total(&sources)?;
-    }
-    for (i, (fill, solid)) in scene.fills.iter().zip(solids).enumerate() {
-        let key = format!("fills[{i}]");
-        let points =
-            fill_solid(fill, solid, rp).map_err(|reason| Error::Scene { place: key.clone(), reason })?;
-        sources.push(Source { key, velocity: fill.velocity.into(), points });
-        check_total(&sources)?;
-    }
+    let rp = scene.particle_radius;
+    let mut sources = lattices(scene, solids, bodies)?;
     let mut counts: Vec<SourceCount> = Vec::new();
-    for Source { key, points, .. } in &mut sources {
+    for source in &mut sources {
+        let points = &mut source.points;
         let outside = drop_outside(points, scene.domain.as_ref());
         let in_bodies = drop_in_bodies(points, bodies, BODY_MARGIN * rp);
-        counts.push(SourceCount { key: key.clone(), outside, in_bodies, ..SourceCount::default() });
+        let is_relaxed = source.packing == Packing::Relaxed;
+        if is_relaxed {
+            let holds = source.space.volume() / scene.particle_volume();
+            make_count(points, source.space, holds.round() as usize);
+        }
+        let space = Space { gap: 0.0, ..source.space }.volume();
+        let key = source.key.clone();
+        counts.push(SourceCount { key, outside, in_bodies, space, is_relaxed, ..SourceCount::default() });
     }
+    check_total(&sources)?;
     let boxes: Vec<_> = sources.iter().map(|source| bounds(&source.points)).collect();
     let mut placed = Placed::new(DUPLICATE * rp);
     let mut out = PlacedParticles::default();
@@ -97,11 +122,73 @@ pub fn fill(scene: &Scene, solids: &[Solid], bodies: &[PosedMap]) -> Result<Plac
     Ok(out)
 }
 
+impl PlacedParticles {
+    /// The particles of each source.
+    pub fn ranges(&self) -> impl Iterator<Item = Range<usize>> {
+        let mut end = 0;
+        self.counts.iter().map(move |count| {
+            let start = end;
+            end += count.particles as usize;
+            start..end
+        })
+    }
+}
+
+/// Blocks and fills on their lattices, bodies not yet left out.
+fn lattices<'a>(
+    scene: &Scene,
+    solids: &'a [Solid],
+    bodies: &'a [PosedMap],
+) -> Result<Vec<Source<'a>>, Error> {
+    let mut sources: Vec<Source> = Vec::new();
+    for (i, block) in scene.blocks.iter().enumerate() {
+        let points = lattice::fill_box(block.region().corners(), scene.spacing()).collect();
+        sources.push(Source {
+            key: format!("blocks[{i}]"),
+            velocity: block.velocity.into(),
+            points,
+            packing: block.packing,
+            space: scene.space(Some(block.region()), None, bodies),
+        });
+        check_total(&sources)?;
+    }
+    for (i, (fill, solid)) in scene.fills.iter().zip(solids).enumerate() {
+        let key = format!("fills[{i}]");
+        let space = scene.space(fill.within, Some(solid), bodies);
+        let points =
+            fill_solid(fill, solid, space).map_err(|reason| Error::Scene { place: key.clone(), reason })?;
+        sources.push(Source { key, velocity: fill.velocity.into(), points, packing: fill.packing, space });
+        check_total(&sources)?;
+    }
+    Ok(sources)
+}
+
+impl Scene {
+    /// The space of a source.
+    pub(super) fn space<'a>(
+        &self,
+        region: Option<Region>,
+        solid: Option<&'a Solid>,
+        bodies: &'a [PosedMap],
+    ) -> Space<'a> {
+        let rests = self.world().resting_distance(self.solver.boundary_pressure);
+        let rp = self.particle_radius;
+        Space { region, solid, bodies, gap: (rests - rp).max(0.0), rp }
+    }
+
+    /// Volume of a particle, m^3.
+    pub(super) fn particle_volume(&self) -> f64 {
+        self.fluid.volume_factor * self.world().particle_cube()
+    }
+}
+
 /// A block or a fill.
-struct Source {
+struct Source<'a> {
     key: String,
     velocity: DVec3,
     points: Vec<DVec3>,
+    packing: Packing,
+    space: Space<'a>,
 }
 
 fn check_total(sources: &[Source]) -> Result<(), Error> {
@@ -122,13 +209,9 @@ fn check_total(sources: &[Source]) -> Result<(), Error> {
 /// Points of a lattice around the map's middle that have room in the solid. Along each axis the middle can lie on a
 /// point or between two. Of these eight lattices the one with most points is taken, so that a box of whole spacings
 /// is filled to its walls.
-fn fill_solid(fill: &Fill, solid: &Solid, rp: f64) -> Result<Vec<DVec3>, String> {
-    let body = &solid.map;
-    let grid = body.map.grid();
-    let [low, high] = [grid.origin, grid.max_corner()];
-    let turned = |axis: DVec3| (body.pose.rotation * (axis * (high - low))).abs();
-    let half = 0.5 * (turned(DVec3::X) + turned(DVec3::Y) + turned(DVec3::Z));
-    let spacing = 2.0 * rp;
+fn fill_solid(fill: &Fill, solid: &Solid, space: Space) -> Result<Vec<DVec3>, String> {
+    let (middle, half) = solid.middle_and_half();
+    let spacing = 2.0 * space.rp;
     let cells = (half / spacing).ceil();
     let total = 8.0 * cells.element_product();
     if total > MAX_PARTICLES as f64 {
@@ -138,14 +221,13 @@ fn fill_solid(fill: &Fill, solid: &Solid, rp: f64) -> Result<Vec<DVec3>, String>
             thousands(MAX_PARTICLES)
         ));
     }
-    let middle = body.pose.to_world(0.5 * (low + high));
     let mut best = Vec::new();
     for shift in 0..8_u8 {
         let on_point = BVec3::new(shift & 1 > 0, shift & 2 > 0, shift & 4 > 0);
         let offset = DVec3::select(on_point, DVec3::ZERO, DVec3::splat(0.5 * spacing));
         let first = middle - cells * spacing + offset;
         let counts = (2.0 * cells).to_array().map(|n| n as u64);
-        let points = with_room(lattice::points(first, spacing, counts), fill, solid, rp);
+        let points = with_room(lattice::points(first, spacing, counts), fill, solid, space);
         if points.len() > best.len() {
             best = points;
         }
@@ -153,33 +235,44 @@ fn fill_solid(fill: &Fill, solid: &Solid, rp: f64) -> Result<Vec<DVec3>, String>
     Ok(best)
 }
 
-/// The points whose particle fits into the solid, or into the hollow of a container.
-fn with_room(points: impl Iterator<Item = DVec3>, fill: &Fill, solid: &Solid, rp: f64) -> Vec<DVec3> {
+/// The points whose particle fits into the solid, or into the hollow of a container, and that are as far from bodies as
+/// the fluid rests from them, if that is farther than rp.
+fn with_room(points: impl Iterator<Item = DVec3>, fill: &Fill, solid: &Solid, space: Space) -> Vec<DVec3> {
+    let rp = space.rp;
     let mut points = points.filter(|&point| fill.within.is_none_or(|within| within.contains(point)));
     let (mut out, mut block, mut values) = (Vec::new(), Vec::new(), Vec::<Values>::new());
     loop {
         block.clear();
         block.extend(points.by_ref().take(BLOCK));
         if block.is_empty() {
-            return out;
+            break;
         }
         solid.map.sample_batch(&block, &mut values);
         let room = block.iter().zip(&values).filter(|(point, at)| has_room(solid, **point, at.distance, rp));
         out.extend(room.map(|(point, _)| *point));
     }
+    if space.gap > 0.0 {
+        drop_in_bodies(&mut out, space.bodies, rp * (1.0 - MAP_SLACK) + space.gap);
+    }
+    out
 }
 
 /// Whether a particle fits into the space that is filled; `distance` is the map's.
 fn has_room(solid: &Solid, point: DVec3, distance: f64, rp: f64) -> bool {
+    let depth = depth_in(solid, point, distance, rp);
+    depth >= rp * (1.0 - if solid.mesh.is_some() { 1e-6 } else { MAP_SLACK })
+}
+
+/// How deep a point is in the space that is filled, metres; `distance` is the map's, which is taken where the mesh is
+/// farther than 2 rp.
+pub(super) fn depth_in(solid: &Solid, point: DVec3, distance: f64, rp: f64) -> f64 {
     let side = if solid.map.map.exterior() == Exterior::Solid { 1.0 } else { -1.0 };
     let depth = side * distance;
     match &solid.mesh {
         Some(mesh) if depth.abs() < 2.0 * rp => {
             // Inside the mesh is the solid, or the hollow of a container: both are filled.
-            let inside = -mesh.at(solid.map.pose.to_map(point));
-            inside - side * solid.thickness >= rp * (1.0 - 1e-6)
+            -mesh.at(solid.map.pose.to_map(point)) - side * solid.thickness
         }
-        Some(_) => depth > 0.0,
-        None => depth >= rp * (1.0 - MAP_SLACK),
+        _ => depth,
     }
 }

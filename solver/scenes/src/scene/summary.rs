@@ -1,6 +1,7 @@
 //! The contents of a scene, for people and as JSON.
 
 use super::body::{self, Body, Motion};
+use super::fluid::Fill;
 use super::map::{Origin, surface_without_map};
 use super::memory::{BYTES_OF_PROGRAM, BYTES_PER_PARTICLE, emitted, of_maps};
 use super::nozzle::{self, Flow};
@@ -15,7 +16,7 @@ use std::path::Path;
 use volmap_fluid::bodies::Mass;
 use volmap_fluid::lattice;
 use volmap_fluid::settings::BoundaryMethod;
-use volmap_formats::text::{bytes, duration, number, significant, thousands};
+use volmap_formats::text::{bytes, duration, number, percent, significant, thousands};
 
 /// Seconds per particle and step, measured at 60 thousand to 3 million particles (0.23 to 0.28e-6:
 /// solver/BENCHMARKS.md) with [`ITERATIONS`] on two threads of an AMD EPYC (Zen 5). Other scenes and machines are up to
@@ -68,6 +69,10 @@ pub struct SourceFacts {
     pub particles: Option<u64>,
     /// Of an emitter: what it gives.
     pub flow: Option<Flow>,
+    /// Of a fill: the part of its solid, without bodies, that its particles have the volume of.
+    pub filled: Option<f64>,
+    /// Of a fill that isn't placed yet: particles that the solid's volume holds.
+    pub holds: Option<u64>,
     /// Key and file of the source.
     pub text: String,
     /// Whether the text tells the particles as well.
@@ -77,7 +82,7 @@ pub struct SourceFacts {
 
 impl SourceFacts {
     fn new(particles: Option<u64>, text: String) -> SourceFacts {
-        SourceFacts { particles, flow: None, text, is_complete: false }
+        SourceFacts { particles, flow: None, filled: None, holds: None, text, is_complete: false }
     }
 }
 
@@ -136,12 +141,8 @@ impl MassFacts {
 /// The mass of a free body, as far as it is known without its map.
 fn mass_without_map(body: &Body) -> Option<MassFacts> {
     let Motion::Free(free) = &body.motion else { return None };
-    let surface = surface_without_map(body)?;
-    let density = free.density.unwrap_or(1.0);
-    let mass = match &surface.primitive {
-        Some(shape) => Mass::of_shape(shape, density)?,
-        None => Mass::of_mesh(surface.mesh.as_ref()?, density)?,
-    };
+    let surface = surface_without_map(body.source()?, &body.bake)?;
+    let mass = surface.mass(free.density.unwrap_or(1.0))?;
     let mass = free.mass.map_or(mass, |given| mass.with_mass(given));
     MassFacts::new(body, &mass, &surface)
 }
@@ -170,7 +171,9 @@ pub fn info(path: &Path) -> Result<SceneSummary, Error> {
     }
     for (i, fill) in scene.fills.iter().enumerate() {
         let file = fill.source().map(|source| source.path().display().to_string()).unwrap_or_default();
-        out.sources.push(SourceFacts::new(None, format!("fills[{i}], {file}")));
+        let facts = SourceFacts::new(None, format!("fills[{i}], {file}"));
+        let holds = volume_of(fill).map(|volume| (volume / scene.particle_volume()).round() as u64);
+        out.sources.push(SourceFacts { holds, ..facts });
     }
     for (facts, body) in out.bodies.iter_mut().zip(&scene.bodies) {
         facts.mass = mass_without_map(body);
@@ -193,7 +196,11 @@ pub fn summarize(
     masses: Vec<Option<Mass>>,
 ) -> SceneSummary {
     let mut out = outline(scene, path);
-    let count = |count: &SourceCount| SourceFacts::new(Some(count.particles), count.key.clone());
+    let count = |count: &SourceCount| SourceFacts {
+        filled: (count.key.starts_with("fills") && count.space > 0.0)
+            .then(|| count.particles as f64 * scene.particle_volume() / count.space),
+        ..SourceFacts::new(Some(count.particles), count.key.clone())
+    };
     out.sources = counts.iter().map(count).collect();
     let total = counts.iter().map(|count| count.particles).sum();
     out.particles = Some(total);
@@ -214,6 +221,14 @@ pub fn summarize(
     out.estimate(scene, total);
     out.memory += of_maps(bodies.iter().map(|body| &body.map));
     out
+}
+
+/// Volume of a fill's solid, m^3, as far as its shape or its mesh tells it.
+fn volume_of(fill: &Fill) -> Option<f64> {
+    if fill.within.is_some() {
+        return None;
+    }
+    Some(surface_without_map(fill.source()?, &fill.bake)?.mass(1.0)?.volume)
 }
 
 fn outline(scene: &Scene, path: &Path) -> SceneSummary {
@@ -274,7 +289,8 @@ impl SceneSummary {
                 significant(emitter.particles_per_second(), 4),
             );
             let particles = Some(emitter.particles_per_layer().round() as u64);
-            self.sources.push(SourceFacts { particles, flow: Some(flow), text, is_complete: true });
+            let facts = SourceFacts::new(particles, text);
+            self.sources.push(SourceFacts { flow: Some(flow), is_complete: true, ..facts });
         }
     }
 
@@ -359,9 +375,14 @@ impl SceneSummary {
 impl Display for SourceFacts {
     fn fmt(&self, f: &mut Formatter) -> fmt::Result {
         match self.particles {
-            _ if self.is_complete => write!(f, "{}", self.text),
-            Some(particles) => write!(f, "{}: {}", self.text, thousands(particles)),
-            None => write!(f, "{}: {UNKNOWN}", self.text),
+            _ if self.is_complete => write!(f, "{}", self.text)?,
+            Some(particles) => write!(f, "{}: {}", self.text, thousands(particles))?,
+            None => write!(f, "{}: {UNKNOWN}", self.text)?,
+        }
+        match (self.filled, self.holds) {
+            (Some(filled), _) => write!(f, ", {} of its solid", percent(filled)),
+            (None, Some(holds)) => write!(f, "; its solid has the volume of {}", thousands(holds)),
+            (None, None) => Ok(()),
         }
     }
 }

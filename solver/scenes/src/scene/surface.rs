@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 use volmap_bake::primitive::PlacedPrimitive;
+use volmap_fluid::bodies::Mass;
 use volmap_formats::mesh::TriangleMesh;
 
 /// A surface as it is known beside the map, in the map's frame. Where it isn't known so, the map's surface is the
@@ -24,5 +25,13 @@ impl Surface {
         let primitive = primitive.and_then(|primitive| primitive.offset(out));
         let mesh = primitive.as_ref().and_then(|primitive| primitive.mesh().ok()).map(Arc::new);
         Surface { mesh, primitive }
+    }
+
+    /// The mass that it encloses; density in kg/m^3. None of a surface that isn't closed.
+    pub fn mass(&self, density: f64) -> Option<Mass> {
+        match &self.primitive {
+            Some(shape) => Mass::of_shape(shape, density),
+            None => Mass::of_mesh(self.mesh.as_ref()?, density),
+        }
     }
 }

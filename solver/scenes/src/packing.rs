@@ -1,0 +1,98 @@
+//! Relaxed sources: their particles are spread and settle before time 0, by the scene's own method among its bodies.
+
+use crate::error::Error;
+use crate::scene::walls::{Relaxed, Wall};
+use crate::scene::{PreparedBody, Scene};
+use std::ops::Range;
+use volmap_bake::watch::Watch;
+use volmap_fluid::bodies::{BodyDescription, ContactMaterial, FluidContact, Motion};
+use volmap_fluid::compression::COMPRESSED;
+use volmap_fluid::packing::{Packed, Packing, settle, spread};
+use volmap_fluid::simulation::Simulation;
+use volmap_formats::text::{number, percent, thousands};
+use volmap_runtime::DVec3;
+
+/// Spreads the particles of the relaxed sources of a simulation at time 0, each between its walls and the bodies, and
+/// lets them settle together. What the user should know of it.
+///
+/// # Errors
+/// As [`spread`].
+pub fn pack(
+    simulation: &mut Simulation,
+    scene: &Scene,
+    bodies: &[PreparedBody],
+    relaxed: &[Relaxed],
+    watch: &Watch,
+) -> Result<Vec<String>, Error> {
+    let world = scene.world();
+    let packing = Packing { world: &world, fluid: &scene.fluid, solver: &scene.solver, watch };
+    let held: Vec<BodyDescription> = bodies.iter().map(held).collect();
+    let mut notes = Vec::new();
+    let mut packed = Packed::default();
+    for source in relaxed {
+        let mut all = held.clone();
+        all.extend(source.walls.iter().map(wall));
+        let found = spread(packing, all, &positions(simulation, &source.particles))?;
+        notes.extend(too_dense(source, &found));
+        packed.positions.extend(found.positions);
+        packed.pressures.extend(found.pressures);
+    }
+    if world.gravity != DVec3::ZERO && !relaxed.is_empty() {
+        packed = settle(packing, held, &packed.positions)?;
+    }
+    let mut taken = 0;
+    for Relaxed { particles, .. } in relaxed {
+        let of_source = taken..taken + particles.len();
+        let part = Packed {
+            positions: packed.positions[of_source.clone()].to_vec(),
+            pressures: packed.pressures[of_source].to_vec(),
+            ..Packed::default()
+        };
+        simulation.take(particles.start as u32, &part);
+        taken += particles.len();
+    }
+    Ok(notes)
+}
+
+fn positions(simulation: &Simulation, range: &Range<usize>) -> Vec<DVec3> {
+    simulation.particles().positions[range.clone()].to_vec()
+}
+
+fn too_dense(source: &Relaxed, packed: &Packed) -> Option<String> {
+    let found = &packed.compression;
+    (found.largest > COMPRESSED).then(|| {
+        format!(
+            "{}: its particles are not at rest after {} steps: up to {} denser than at rest, at ({}) m; look for bodies \
+             that overlap there, or for gaps narrower than a particle",
+            source.key,
+            thousands(packed.steps.into()),
+            percent(found.largest),
+            found.place.to_array().map(number).join(", ")
+        )
+    })
+}
+
+/// A body where it begins.
+fn held(body: &PreparedBody) -> BodyDescription {
+    BodyDescription {
+        name: body.name.clone(),
+        map: body.map.clone(),
+        mesh: body.surface.mesh.clone(),
+        pose: body.pose,
+        motion: Motion::Static,
+        material: ContactMaterial::default(),
+        fluid_contact: FluidContact::default(),
+    }
+}
+
+fn wall(wall: &Wall) -> BodyDescription {
+    BodyDescription {
+        name: "wall".into(),
+        map: wall.map.clone(),
+        mesh: wall.mesh.clone(),
+        pose: wall.pose,
+        motion: Motion::Static,
+        material: ContactMaterial::default(),
+        fluid_contact: FluidContact::default(),
+    }
+}
