@@ -224,6 +224,7 @@ impl Scene {
             gravity,
             forces,
             energy,
+            stiffness,
             is_driven,
             has_ground,
             emits,
