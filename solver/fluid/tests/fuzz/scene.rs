@@ -10,10 +10,12 @@ use volmap_fluid::bodies::{
     Spin, Weight,
 };
 use volmap_fluid::emitter::{Emitter, Jet};
+use volmap_fluid::forces::viscosity::viscous_weights;
 use volmap_fluid::lattice::fill_box;
 use volmap_fluid::particles::Particles;
 use volmap_fluid::settings::{
-    BoundaryMethod, FluidSettings, SolveSettings, SolverSettings, TimeStepSettings, ViscosityMethod, World,
+    BoundaryMethod, BoundaryPressure, FluidSettings, SolveSettings, SolverSettings, TimeStepSettings,
+    ViscosityMethod, World,
 };
 use volmap_fluid::setup::Setup;
 use volmap_fluid::shapes::{Shape, ball, cuboid};
@@ -22,9 +24,24 @@ use volmap_runtime::{ClosureKind, DQuat, DVec3, KernelKind, Pose};
 
 /// Particles at most, of blocks; emitters add some.
 pub const MOST_PARTICLES: usize = 500;
-const RP: f64 = 0.025;
+pub const RP: f64 = 0.025;
+/// From here on viscosity is solved for in double precision.
+const DOUBLE_PRECISION: f64 = 1e4;
+/// Two blocks are so many rp apart: as near as a lattice's particles they would begin pressed together.
+const APART: f64 = 2.5;
 /// Half of the edge of the tank, and of the space that all is put into without one, metres.
 const HALF: f64 = 0.35;
+
+/// What the forces of bodies on the fluid are.
+#[derive(Clone, Copy)]
+pub enum Forces {
+    /// The gradient of the density that the solves keep.
+    Gradient,
+    /// That of maps in which it jumps, at edges.
+    GradientWithJumps,
+    /// Other ones.
+    Other,
+}
 
 /// A scene, and what is known of it.
 pub struct Scene {
@@ -32,8 +49,12 @@ pub struct Scene {
     pub simulation: Simulation,
     /// m/s^2.
     pub gravity: DVec3,
+    /// What bodies do.
+    pub forces: Forces,
     /// What its energy is compared with, joule.
     pub energy: f64,
+    /// How often over viscosity takes a particle's velocity in a step, where that is solved for in single precision.
+    pub stiffness: f64,
     /// Whether some body does what it is told, or an emitter gives energy.
     pub is_driven: bool,
     /// Whether something static takes momentum, or something driven gives it.
@@ -130,8 +151,8 @@ fn clearance((boundary, closure): View) -> f64 {
         (BoundaryMethod::VolumeMap, ClosureKind::Paper) => 3.2,
         (BoundaryMethod::VolumeMap, ClosureKind::Offset) => 2.7,
         (BoundaryMethod::VolumeMap, _) => 1.1,
-        (BoundaryMethod::DensityMap, _) => 2.1,
-        (BoundaryMethod::TubeMap, _) => 1.9,
+        (BoundaryMethod::DensityMap, _) => 2.3,
+        (BoundaryMethod::TubeMap, _) => 2.3,
         (BoundaryMethod::Particles, _) => 2.5,
     }
 }
@@ -164,6 +185,13 @@ impl Scene {
         let particles = blocks(&mut dice, &bodies, clearance(view));
         let emitters = if dice.chance(0.15) { vec![emitter(&mut dice)] } else { Vec::new() };
         let emits = !emitters.is_empty();
+        let forces = match (view, solver.boundary_pressure) {
+            ((BoundaryMethod::DensityMap, _) | (_, ClosureKind::Offset), BoundaryPressure::Own) => {
+                Forces::GradientWithJumps
+            }
+            (_, BoundaryPressure::Own) => Forces::Gradient,
+            _ => Forces::Other,
+        };
         let words = format!(
             "{:?} {:?} {:?}, {:?}, g {:.1}, nu {:.1e} {:?}, xsph {:.2}, {} particles, [{}]{}, relaxation {:.2}, warm {:.2}, dt {:.1e}",
             view.0,
@@ -183,12 +211,27 @@ impl Scene {
         );
         let domain = Some([DVec3::splat(-100.0), DVec3::splat(100.0)]);
         let steps = 60 + dice.below(120);
+        let [_, implicit] = fluid.viscosities();
+        let exchanged = solver.time_step.max * implicit * viscous_weights(&world);
+        let stiffness = if exchanged > DOUBLE_PRECISION { 0.0 } else { exchanged };
         let setup = Setup { fluid, solver, emitters, domain, ..Setup::new(world, particles, bodies) };
         let gravity = setup.world.gravity;
         let simulation = Simulation::new(setup)?;
         let energy = scale(&simulation, gravity.length());
         let is_driven = is_moved || emits;
-        Ok(Scene { simulation, gravity, energy, is_driven, has_ground, emits, driving_speed, steps, words })
+        Ok(Scene {
+            simulation,
+            gravity,
+            forces,
+            energy,
+            stiffness,
+            is_driven,
+            has_ground,
+            emits,
+            driving_speed,
+            steps,
+            words,
+        })
     }
 }
 
@@ -368,7 +411,7 @@ fn blocks(dice: &mut Dice, bodies: &Bodies, clearance: f64) -> Particles {
         let velocity = if dice.chance(0.6) { dice.vector(2.0) } else { DVec3::ZERO };
         let is_free = |x: &DVec3| {
             let away = bodies.posed().iter().all(|body| body.values(*x).distance >= clearance);
-            away && particles.positions.iter().all(|other| other.distance(*x) >= 2.0 * RP * (1.0 - 1e-9))
+            away && particles.positions.iter().all(|other| other.distance(*x) >= APART * RP)
         };
         let mut places: Vec<DVec3> =
             fill_box([middle - half, middle + half], 2.0 * RP).filter(is_free).collect();
