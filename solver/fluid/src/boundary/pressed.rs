@@ -23,17 +23,17 @@ use crate::bodies::Bodies;
 use volmap_runtime::DVec3;
 
 /// Own and walls' density between which C_narrow grows to all of what cancels.
-const NARROW: [f32; 2] = [0.8, 1.0];
+const NARROW: [f32; 2] = [0.6, 0.9];
 /// The same of C_film: from two particles' layers of room on, 2 rp, to a film.
-const FILM: [f32; 2] = [0.45, 0.6];
+const FILM: [f32; 2] = [0.42, 0.55];
 /// Neighbours' density, times this, is the part of a film's outflow that is left: 1.5 h |d rho_walls / dh|.
-const OUTFLOW: f32 = 1.3;
+const OUTFLOW: f32 = 0.8;
 /// C_film is at most this times the particle's factor.
 const MOST_FILM: f32 = 50.0;
 /// From this change of the density in a step on walls close: less is among what a solve leaves.
 const CLOSING: f32 = 5e-4;
 /// This part of a density's error is left in a film.
-const FILM_CALM: f32 = 0.9;
+const FILM_CALM: f32 = 0.95;
 
 /// How far from where it is a place is looked for that has room for a particle, in support radii, and in how many
 /// steps.
