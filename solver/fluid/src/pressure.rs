@@ -87,14 +87,15 @@ impl Fields {
                 *out = if takes_part { source } else { 0.0 };
             }
             for pressed in solve.boundary.pressed_of_block(block) {
-                let within = pressed.particle as usize - lists.first;
-                let step = &mut steps[within];
+                let particle = pressed.particle as usize;
+                let (factor, density) = (factors[particle], densities[particle]);
+                let (step, out) = (&mut steps[particle - lists.first], &mut sources[particle - lists.first]);
                 if *step > 0.0 {
-                    *step = solve.relaxation / (solve.relaxation / *step + pressed.compliance);
-                    // Of the density's error only what neighbours make of it makes a velocity.
-                    let density = densities[pressed.particle as usize];
-                    let by_neighbours = pressed.by_neighbours(density);
-                    sources[within] += source(by_neighbours, 0.0, dt).0 - source(density, 0.0, dt).0;
+                    *step = solve.relaxation
+                        / (solve.relaxation / *step + pressed.compliance(factor, density, dt));
+                    let of_error = |density: f32| source(density, 0.0, dt).0;
+                    let left = of_error(pressed.by_neighbours(density));
+                    *out += left * if left > 0.0 { pressed.part_of_error() } else { 1.0 } - of_error(density);
                 }
             }
             // What pressed in the last step, and doesn't in this one, must not push.
@@ -192,6 +193,7 @@ impl Fields {
         let (accelerations, gradients) = (&self.accelerations, &self.gradients);
         let (pressures, body_flux) = (&self.pressures, &self.body_flux);
         let (sources, steps) = (&self.sources, &self.steps);
+        let (factors, densities, dt) = (&self.factors, &self.densities, solve.dt as f32);
         self.next_pressures.resize(pressures.len(), 0.0);
         let blocks = solve.neighbours.with(&mut self.next_pressures).enumerate();
         let errors: Vec<f64> = blocks
@@ -204,7 +206,8 @@ impl Fields {
                 }
                 for pressed in solve.boundary.pressed_of_block(block) {
                     let particle = pressed.particle as usize;
-                    out[particle - lists.first] -= pressed.compliance * pressures[particle];
+                    let compliance = pressed.compliance(factors[particle], densities[particle], dt);
+                    out[particle - lists.first] -= compliance * pressures[particle];
                 }
                 step_by(
                     out,

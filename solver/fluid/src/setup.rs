@@ -2,10 +2,16 @@
 
 use crate::bodies::Bodies;
 use crate::emitter::Emitter;
+use crate::error::Error;
 use crate::forces::{Force, ForceSettings};
 use crate::particles::Particles;
-use crate::settings::{FluidSettings, SolverSettings, World};
+use crate::settings::{FluidSettings, MOST_RELAXATION, SolverSettings, World};
+use volmap_formats::text::number;
 use volmap_runtime::DVec3;
+
+/// Least density of a free body, in parts of the fluid's. The fluid that it moves along weighs more than 10,000 times
+/// as much then, and what a solve leaves of its errors is enough to throw it about. Air has 1.2e-3 of water's.
+pub const LIGHTEST_BODY: f64 = 1e-4;
 
 /// What a simulation begins with. Numbers must be finite and in range: see `volmap_scenes`.
 pub struct Setup {
@@ -43,6 +49,45 @@ impl Setup {
             forces: ForceSettings::default(),
             own_forces: Vec::new(),
         }
+    }
+
+    /// Checks what no simulation could be right with.
+    ///
+    /// # Errors
+    /// [`Error::Setup`] for factors of the solver out of their range, and for free bodies lighter than
+    /// [`LIGHTEST_BODY`] of the fluid.
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        let refuse = |place: String, reason: String| Err(Error::Setup { place, reason });
+        let SolverSettings { relaxation, warm_start, .. } = self.solver;
+        if !(relaxation > 0.0 && relaxation <= MOST_RELAXATION) {
+            let reason = format!(
+                "{} is not above 0 and up to {MOST_RELAXATION}: with more, fluids gain energy and burst",
+                number(relaxation)
+            );
+            return refuse("relaxation".into(), reason);
+        }
+        if !(0.0..=1.0).contains(&warm_start) {
+            return refuse("warm_start".into(), format!("{} is not within 0 to 1", number(warm_start)));
+        }
+        if self.particles.is_empty() && self.emitters.is_empty() {
+            return Ok(());
+        }
+        let least = LIGHTEST_BODY * self.fluid.rest_density;
+        for body in 0..self.bodies.posed().len() {
+            let Some(density) = self.bodies.mass(body).map(|mass| mass.mass / mass.volume) else { continue };
+            if density < least {
+                let reason = format!(
+                    "{} kg/m^3 is less than {} of the fluid's {} kg/m^3: the fluid would throw so light a body \
+                     about; give it {} kg/m^3 or more, which floats as high",
+                    number(density),
+                    number(LIGHTEST_BODY),
+                    number(self.fluid.rest_density),
+                    number(least),
+                );
+                return refuse(format!("body `{}`", self.bodies.name(body)), reason);
+            }
+        }
+        Ok(())
     }
 
     /// The domain, or the default one: all that is there at the start, grown on each side by its own diagonal, or by

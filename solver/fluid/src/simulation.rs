@@ -117,9 +117,10 @@ impl Simulation {
     /// A simulation at time 0.
     ///
     /// # Errors
-    /// As [`Boundary::new`]; a force whose settings can't be used, or that needs a channel of another force.
+    /// As [`Boundary::new`]; factors of the solver out of their range, a free body that is too light; a force whose settings can't be used, or that needs a channel of another force.
     pub fn new(setup: Setup) -> Result<Simulation, Error> {
         plane::check(&setup)?;
+        setup.check()?;
         let domain = setup.domain_or_default();
         let Setup { world, fluid, solver, mut particles, emitters, bodies, forces, own_forces, .. } = setup;
         let forces = Forces::new(&world, &fluid, &solver, &forces, own_forces);

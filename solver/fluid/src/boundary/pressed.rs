@@ -1,20 +1,39 @@
-//! Particles that walls press by themselves: with itself and the walls alone a particle has more than the rest density.
+//! Particles that walls press by themselves.
 //!
-//! In a gap of less than some 1.4 rp no motion cures that, and the walls' gradients cancel, so that a solve would take
-//! any speed for it. So of such a particle
+//! In a gap of less than some 1.4 rp a particle has more than the rest density by itself and the walls alone. No motion
+//! cures that, and the walls' gradients cancel, so that a solve would take any speed for it. Nor is a film that is
+//! thinner than 2 rp what its density says: where plates at a distance h close with V, it must flow out with V / h, but
+//! its neighbours' part of the density would have to make up for all that the walls add. So
 //!
-//! - the density's error makes no velocity ([`Pressed::excess`]): the particle is eased towards where walls press it
-//!   less, and gains no energy;
-//! - what walls that move press together is to be answered only in part: the pressure P meets the compliance C =
-//!   sum of |g_b|^2 - |sum of g_b|^2, of the gradients g_b of each body, the part of it that cancels. For one wall C is
-//!   0; between two that face each other it bounds what P moves, C P <= source, by the walls' own speed.
+//! - of a density above that at rest, what walls alone make of it gives no velocity ([`Pressed::by_neighbours`]), and in
+//!   a film, or where there is no way out, the rest of it doesn't either. A particle that has a way out is eased along
+//!   it;
+//! - of a compression by walls that move together a pressure P takes only a part. It meets a compliance C,
+//!   ```text
+//!   source + A - C P <= 0,    C = C_narrow + C_film
+//!   ```
+//!   C_narrow is the part of the walls' gradients g_b, one of each body, that cancels: sum of |g_b|^2 - |sum of g_b|^2.
+//!   So P moves nothing faster than the walls move. C_film leaves of a film's outflow what V / h is of it.
+//!
+//! Both are 0 at a single body. P >= 0 is then less than without C, so that the solves take energy from the fluid and
+//! give it none, as ever; forces on fluid and bodies are by the same P.
 
 use super::{BlockContacts, Boundary, Contact, Method, Pairing, Wall};
 use crate::bodies::Bodies;
 use volmap_runtime::DVec3;
 
-/// Own and walls' density at which a gap begins to be too narrow for its fluid, and where it is so altogether.
-const NARROW: [f32; 2] = [0.8, 1.0];
+/// Own and walls' density between which C_narrow grows to all of what cancels.
+const NARROW: [f32; 2] = [0.6, 0.9];
+/// The same of C_film: from two particles' layers of room on, 2 rp, to a film.
+const FILM: [f32; 2] = [0.42, 0.55];
+/// Neighbours' density, times this, is the part of a film's outflow that is left: 1.5 h |d rho_walls / dh|.
+const OUTFLOW: f32 = 0.8;
+/// C_film is at most this times the particle's factor.
+const MOST_FILM: f32 = 50.0;
+/// From this change of the density in a step on walls close: less is among what a solve leaves.
+const CLOSING: f32 = 5e-4;
+/// This part of a density's error is left in a film.
+const FILM_CALM: f32 = 0.95;
 
 /// How far from where it is a place is looked for that has room for a particle, in support radii, and in how many
 /// steps.
@@ -28,8 +47,10 @@ pub struct Pressed {
     pub particle: u32,
     /// By how much its own and the walls' density is above that at rest, in parts of it; negative where it isn't yet.
     pub excess: f32,
-    /// C: what is taken off the compression for each of the particle's own pressure, 1/m^2.
-    pub compliance: f32,
+    /// What of the walls' gradients cancels, 1/m^2.
+    cancelled: f32,
+    /// How fast the walls' motion among themselves raises the density, 1/s.
+    closing: f32,
     /// Gradient of the walls' density, 1/m.
     pub gradient: [f32; 3],
     /// Whether no way of some [`REACH`] out of the walls leaves it less than the rest density.
@@ -37,6 +58,9 @@ pub struct Pressed {
     /// Of the body that is summed up.
     body: u32,
     of_body: [f32; 3],
+    /// Sum of the contacts' velocities, m/s, and their number.
+    velocity: [f32; 3],
+    contacts: f32,
 }
 
 fn square([x, y, z]: [f32; 3]) -> f32 {
@@ -52,25 +76,54 @@ impl Pressed {
         for (sum, part) in self.of_body.iter_mut().zip(contact.gradient) {
             *sum += part;
         }
+        for (sum, part) in self.velocity.iter_mut().zip(contact.velocity.as_vec3().to_array()) {
+            *sum += part;
+        }
+        self.contacts += 1.0;
     }
 
     /// Adds the square of a body whose contacts are all there.
     fn close(&mut self) {
-        self.compliance += square(std::mem::take(&mut self.of_body));
+        self.cancelled += square(std::mem::take(&mut self.of_body));
     }
 
-    fn finish(&mut self) {
+    /// After the last contact; `flux` is the sum of the bodies' velocities times their gradients.
+    fn finish(&mut self, flux: f32) {
         self.close();
-        let [begin, end] = NARROW;
-        let part = ((self.excess + 1.0 - begin) / (end - begin)).clamp(0.0, 1.0);
-        self.compliance = part * (self.compliance - square(self.gradient)).max(0.0);
+        self.cancelled = (self.cancelled - square(self.gradient)).max(0.0);
+        let of_mean: f32 = self.velocity.iter().zip(self.gradient).map(|(v, g)| v * g).sum();
+        self.closing = (of_mean / self.contacts.max(1.0) - flux).max(0.0);
     }
-}
 
-impl Pressed {
-    /// Density whose excess makes a velocity: without what walls make of it alone.
+    /// How far own and walls' density are between two values, 0 to 1.
+    fn part(&self, [begin, end]: [f32; 2]) -> f32 {
+        ((1.0 + self.excess - begin) / (end - begin)).clamp(0.0, 1.0)
+    }
+
+    /// How much of a film between two bodies the particle is in, 0 to 1.
+    fn film(&self) -> f32 {
+        if self.cancelled <= 0.0 {
+            return 0.0;
+        }
+        self.part(FILM) * self.cancelled / (self.cancelled + square(self.gradient))
+    }
+
+    /// C, 1/m^2, for the particle's factor (1/m^2) and density, and a step of `dt` seconds.
+    pub fn compliance(&self, factor: f32, density: f32, dt: f32) -> f32 {
+        let moving = (self.closing * dt / CLOSING).min(1.0);
+        let outflow = OUTFLOW * (density - 1.0 - self.excess).max(0.0);
+        let film = (1.0 / outflow - 1.0).clamp(0.0, MOST_FILM) * factor;
+        moving * (self.part(NARROW) * self.cancelled + self.film() * film)
+    }
+
+    /// Density whose excess over that at rest makes a velocity: without what walls alone make of it.
     pub fn by_neighbours(&self, density: f32) -> f32 {
-        if self.pinched { density.min(1.0) } else { density - self.excess.max(0.0) }
+        density - self.excess.max(0.0)
+    }
+
+    /// The part of that excess that makes one.
+    pub fn part_of_error(&self) -> f32 {
+        if self.pinched { 0.0 } else { 1.0 - FILM_CALM * self.film() }
     }
 }
 
@@ -147,7 +200,7 @@ impl BlockContacts {
         if contacts.is_empty() {
             return;
         }
-        let narrow = |(_, wall): &(usize, &Wall)| own + wall.density > NARROW[0];
+        let narrow = |(_, wall): &(usize, &Wall)| own + wall.density > FILM[0];
         pressed.extend(walls.iter().enumerate().filter(narrow).map(|(within, wall)| Pressed {
             particle: (first + within) as u32,
             excess: own + wall.density - 1.0,
@@ -162,6 +215,9 @@ impl BlockContacts {
                 pressed[n].add(contact);
             }
         }
-        pressed.iter_mut().for_each(Pressed::finish);
+        pressed.retain_mut(|pressed| {
+            pressed.finish(walls[pressed.particle as usize - first].flux);
+            pressed.excess > 0.0 || pressed.cancelled > 0.0
+        });
     }
 }

@@ -12,7 +12,8 @@ const MOMENT: f64 = 0.1;
 
 /// All notes of a run, whose emitters gave so much.
 pub fn of_run(steps: &[StepStatistics], emitters: &[EmitterSummary], solver: &SolverSettings) -> Vec<String> {
-    let all = [compressed(steps), held(steps, emitters)].into_iter().chain(unsolved(steps, solver));
+    let all =
+        [compressed(steps), pinched(steps), held(steps, emitters)].into_iter().chain(unsolved(steps, solver));
     all.flatten().collect()
 }
 
@@ -42,6 +43,26 @@ fn compressed(steps: &[StepStatistics]) -> Option<String> {
 
 fn is_compressed(step: &StepStatistics) -> bool {
     step.density_error_max > COMPRESSED
+}
+
+/// Fluid where bodies leave it less room than a particle has, for more than a moment: in how many steps, how much, and
+/// where.
+fn pinched(steps: &[StepStatistics]) -> Option<String> {
+    let with = || steps.iter().filter(|step| step.pinched > 0);
+    if with().map(|step| step.dt).sum::<f64>() < MOMENT {
+        return None;
+    }
+    let worst = with().max_by_key(|step| (step.pinched, std::cmp::Reverse(step.step)))?;
+    let place = [worst.pinched_x, worst.pinched_y, worst.pinched_z].map(number).join(", ");
+    Some(format!(
+        "up to {} particles were pinched between bodies that leave less room than a particle has (default closure: \
+         gaps of less than some 1.4 particle radii), in {} of {} steps, as at ({place}) m and {} s; they are held there \
+         and gain no energy; take smaller particles, or keep bodies farther from each other and the fluid out of gaps",
+        thousands(worst.pinched),
+        thousands(with().count() as u64),
+        thousands(steps.len() as u64),
+        number(worst.time - worst.dt),
+    ))
 }
 
 fn held(steps: &[StepStatistics], emitters: &[EmitterSummary]) -> Option<String> {
@@ -159,6 +180,18 @@ mod tests {
             note.contains("for 0.4 s, from 0.2 s on; by up to 16 %, at (0, 60, 0) m and 0.59 s"),
             "{note}"
         );
+    }
+
+    #[test]
+    fn pinched_fluid_is_told_with_its_place() {
+        let gap = |n: u64, step: &mut StepStatistics| {
+            step.pinched = if n > 70 { 5 + u64::from(n == 81) } else { 0 };
+            step.pinched_x = 0.1 * n as f64;
+        };
+        let notes = notes(&steps(100, gap));
+        let [note] = &notes[..] else { panic!("{notes:?}") };
+        assert!(note.starts_with("up to 6 particles were pinched"), "{note}");
+        assert!(note.contains("in 30 of 100 steps, as at (8.1, 0, 0) m and 0.8 s"), "{note}");
     }
 
     #[test]

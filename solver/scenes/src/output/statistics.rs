@@ -55,6 +55,14 @@ pub struct StepStatistics {
     pub removed: u64,
     /// Particles that were found inside a body and pushed out.
     pub inside_body: u64,
+    /// Particles that bodies press together, with less room than a particle has and no way out.
+    pub pinched: u64,
+    /// Where the one is that is pressed most, metres.
+    pub pinched_x: f64,
+    /// See `pinched_x`.
+    pub pinched_y: f64,
+    /// See `pinched_x`.
+    pub pinched_z: f64,
     /// Wall-clock time of the step, milliseconds; the rest are its parts.
     pub step_ms: f64,
     /// Sorting particles by cells.
@@ -105,6 +113,10 @@ impl StepStatistics {
             held: report.held as u64,
             removed: report.removed as u64,
             inside_body: report.inside as u64,
+            pinched: report.pinched.count as u64,
+            pinched_x: report.pinched.place.x,
+            pinched_y: report.pinched.place.y,
+            pinched_z: report.pinched.place.z,
             step_ms: ms(stages.total() + writing),
             sort_ms: ms(stages.sort),
             neighbours_ms: ms(stages.neighbours),
@@ -165,6 +177,9 @@ pub struct RunSummary {
     pub removed: u64,
     /// Particles that were pushed out of bodies; one counts once per step.
     pub brought_back: u64,
+    /// Particles that bodies pressed together; one counts once per step.
+    #[serde(default)]
+    pub pinched: u64,
     /// Length of a step, seconds.
     pub dt: Spread,
     /// Iterations of the solve that keeps the density.
@@ -244,6 +259,7 @@ pub fn summarise(steps: &[StepStatistics]) -> RunSummary {
         emitters: Vec::new(),
         removed: count(|s| s.removed),
         brought_back: count(|s| s.inside_body),
+        pinched: count(|s| s.pinched),
         dt: spread(|s| s.dt),
         density_iterations: spread(|s| s.density_iterations.into()),
         divergence_iterations: spread(|s| s.divergence_iterations.into()),

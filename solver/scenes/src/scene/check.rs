@@ -5,7 +5,10 @@ use volmap_bake::density_map::KERNELS;
 use volmap_documents::{At, Checked};
 use volmap_fluid::forces::ForceSettings;
 use volmap_fluid::forces::viscosity::viscous_limit;
-use volmap_fluid::settings::{BoundaryMethod, FluidSettings, SolveSettings, SolverSettings, World};
+use volmap_fluid::settings::{
+    BoundaryMethod, FluidSettings, MOST_RELAXATION, SolveSettings, SolverSettings, World,
+};
+use volmap_formats::text::number;
 use volmap_runtime::KernelKind;
 
 /// Whether the boundary's method goes with the other settings, and has what it needs.
@@ -56,7 +59,10 @@ pub(super) fn solver(at: &At, solver: &SolverSettings) -> Checked {
         "0 iterations solve nothing; viscosity = 0 of the fluid does".into()
     })?;
     at.positive("relaxation", solver.relaxation)?;
-    at.within("relaxation", solver.relaxation, [0.0, 1.0])?;
+    at.require("relaxation", solver.relaxation <= MOST_RELAXATION, || {
+        let given = number(solver.relaxation);
+        format!("{given} is more than {MOST_RELAXATION}: the fluid would gain energy and burst")
+    })?;
     at.within("warm_start", solver.warm_start, [0.0, 1.0])?;
     let (at, step) = (at.key("time_step"), &solver.time_step);
     at.positive("min", step.min)?;
