@@ -21,6 +21,9 @@ pub struct Fields {
     pub velocities: Vec<Quad>,
     /// Accelerations, m/s^2.
     pub accelerations: Vec<Quad>,
+    /// Ways by which particles that are too dense go apart without getting a velocity, metres; none where velocities do
+    /// it.
+    pub(crate) shifts: Vec<Quad>,
     /// grad D, V times the sum of grad W and the boundary's part, 1/m.
     pub gradients: Vec<Quad>,
     /// Relative densities D = rho / rho_0, the boundary's part included.
@@ -56,6 +59,7 @@ impl Fields {
         let velocities = particles.velocities.par_iter().with_min_len(CHUNK);
         velocities.map(velocity).collect_into_vec(&mut self.velocities);
         self.accelerations.resize(self.len(), [0.0; 4]);
+        self.shifts.clear();
     }
 
     /// How many particles there are.
@@ -70,7 +74,8 @@ impl Fields {
 
     /// Bytes held.
     pub fn memory_bytes(&self) -> usize {
-        self.places.capacity() * (4 * size_of::<Quad>() + size_of::<Density>() + 9 * size_of::<f32>())
+        let all = 4 * size_of::<Quad>() + size_of::<Density>() + 9 * size_of::<f32>();
+        self.places.capacity() * all + self.shifts.capacity() * size_of::<Quad>()
     }
 
     /// Density and factor of all particles: Band et al. 2018, Algorithm 1, lines 4 and 5.

@@ -52,6 +52,14 @@ impl Fields {
         self.iterate(solve, false)
     }
 
+    /// Solves for the pressures that keep the velocity from raising a density above that of rest; what is denser already
+    /// only gets no denser. From the pressures that are there; `accelerations` hold the answer.
+    pub(crate) fn hold_density(&mut self, solve: &Solve) -> SolveReport {
+        let room = |density: f32| (density - 1.0).min(0.0);
+        self.sources(solve, |density, rate, dt| (room(density) / (dt * dt) + rate / dt, true));
+        self.iterate(solve)
+    }
+
     /// The source of each particle, from its density, the rate at which the velocity raises it, and dt, and whether
     /// it takes part.
     fn sources(&mut self, solve: &Solve, source: impl Fn(f32, f32, f32) -> (f32, bool) + Sync) {
@@ -167,7 +175,7 @@ impl Fields {
     }
 
     /// Accelerations by the pressures: Eq. 1 of Band et al. with the boundary's part as Eq. 15 of Bender et al.
-    fn accelerate_by_pressure(&mut self, solve: &Solve) {
+    pub(crate) fn accelerate_by_pressure(&mut self, solve: &Solve) {
         solve.wall.at_sites(&self.pressures, &mut self.site_pressures);
         let mut accelerations = std::mem::take(&mut self.accelerations);
         let (all, gradients) = (self.all_pressures(), &self.gradients);

@@ -33,6 +33,11 @@ impl<'a> Response<'a> {
         Response { bodies, contacts, mass, known: (0..count).map(known).collect() }
     }
 
+    /// The same if none gives way.
+    pub fn held(self) -> Response<'a> {
+        Response { contacts: Vec::new(), ..self }
+    }
+
     /// Whether no free body is near the fluid.
     pub fn is_empty(&self) -> bool {
         self.contacts.is_empty()

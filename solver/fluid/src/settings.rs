@@ -57,6 +57,9 @@ pub struct ViscositySolveSettings {
     pub max_error: f64,
     /// Iterations at most; the statistics tell when they did not suffice.
     pub max_iterations: u32,
+    /// How often implicit viscosity and density are solved for in turns in a step at most; once is enough in most.
+    /// Only where steps are longer than explicit viscosity would allow.
+    pub max_passes: u32,
 }
 
 /// [`SolveSettings`] of the divergence solve in a scene's file: what isn't given has other defaults there.
@@ -131,7 +134,8 @@ pub struct FluidSettings {
     pub viscosity: f64,
     /// How it is computed. Default: explicit.
     pub viscosity_method: ViscosityMethod,
-    /// XSPH velocity smoothing, parts of the velocity difference (0: off).
+    /// XSPH velocity smoothing, parts of the velocity difference (0: off). It keeps momentum, but not angular momentum:
+    /// in a collision 1 % of it was lost (solver/METHODS.md). Viscosity keeps both.
     pub xsph: f64,
     /// Volume of a particle in parts of its cube (2 rp)^3; SPlisHSPlasH: 1, up to 2.17 0.8.
     pub volume_factor: f64,
@@ -261,7 +265,7 @@ impl SolveSettings {
 
 impl Default for ViscositySolveSettings {
     fn default() -> Self {
-        ViscositySolveSettings { max_error: 1e-3, max_iterations: 200 }
+        ViscositySolveSettings { max_error: 1e-3, max_iterations: 200, max_passes: 10 }
     }
 }
 

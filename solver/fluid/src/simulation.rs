@@ -1,20 +1,24 @@
 //! The simulation: its state, and a step as Algorithm 1 of Band et al. 2018 writes it.
 
+mod turns;
+
 use crate::blocks::TooDense;
 use crate::bodies::Bodies;
 use crate::boundary::Boundary;
 use crate::boundary::pressed::Pinched;
 use crate::boundary::pressure::{self, Extrapolation, WallPressure};
 use crate::cells::Cells;
+use crate::channels::Channels;
 use crate::compression::Compression;
 use crate::coupling;
 use crate::discretization::Discretization;
 use crate::emitter::Emitter;
 use crate::error::Error;
 use crate::fields::{self, Fields};
-use crate::forces::{Force, ForceStep, Forces};
+use crate::forces::{Force, ForceStep, Forces, Solved};
 use crate::fused;
 use crate::neighbours::{Neighbours, Sought};
+use crate::pairs::Quad;
 use crate::pairs::table::MOST;
 use crate::particles::{CHUNK, Particles};
 use crate::plane;
@@ -28,6 +32,7 @@ use crate::stages::Stages;
 use crate::strays::{self, Strays};
 use crate::time_step::{part_of, time_step};
 use rayon::prelude::*;
+use turns::Turns;
 use volmap_formats::text::number;
 use volmap_runtime::DVec3;
 
@@ -92,6 +97,8 @@ pub struct StepReport {
     /// The solves of implicit forces, as that of [viscosity](crate::forces::implicit_viscosity): iterations of all,
     /// the largest error.
     pub viscosity: SolveReport,
+    /// How often viscosity and density were solved for, in turns; 1 where they aren't.
+    pub passes: u32,
     /// Largest speed at its beginning, m/s, that of bodies where they touch the fluid included.
     pub max_speed: f64,
     /// How much denser than at rest the fluid was at its beginning: after the step before, and with what emitters have
@@ -111,6 +118,13 @@ pub struct StepReport {
     pub near_bodies: usize,
     /// Wall-clock times.
     pub stages: Stages,
+}
+
+/// What forces change.
+struct Changed<'a> {
+    velocities: &'a mut [Quad],
+    accelerations: &'a mut [Quad],
+    channels: &'a mut Channels,
 }
 
 impl Simulation {
@@ -192,8 +206,14 @@ impl Simulation {
         let compression = Compression::of(&self.fields.densities, &self.particles.positions);
         let pinched = Pinched::of(&self.boundary, &self.particles.positions);
         let divergence = self.correct_divergence_error(dt);
-        let viscosity = self.add_non_pressure(dt);
-        let density = self.correct_density_error(dt);
+        let Turns { passes, viscosity, density } = match self.is_in_turns(dt) {
+            true => self.solve_in_turns(dt),
+            false => Turns {
+                passes: 1,
+                viscosity: self.add_non_pressure(dt),
+                density: self.correct_density_error(dt),
+            },
+        };
         self.advance(dt);
         let removed = strays::remove_outside(&mut self.particles, &mut self.fields.densities, self.domain);
         self.stages.end(|stages| &mut stages.advance);
@@ -206,6 +226,7 @@ impl Simulation {
             density,
             divergence,
             viscosity,
+            passes,
             max_speed,
             compression,
             emitted,
@@ -310,6 +331,26 @@ impl Simulation {
 
     /// All other forces: explicit ones, then implicit ones.
     fn add_non_pressure(&mut self, dt: f64) -> SolveReport {
+        self.add_explicit(dt);
+        let solved = self.solve_implicit(dt);
+        self.push(&solved.on_bodies);
+        self.stages.end(|stages| &mut stages.non_pressure);
+        solved.report
+    }
+
+    fn add_explicit(&mut self, dt: f64) {
+        self.with_forces(dt, |forces, step, work| {
+            forces.accelerate(step, work.velocities, work.channels, work.accelerations);
+            fields::accelerate(work.velocities, work.accelerations, dt);
+        });
+    }
+
+    fn solve_implicit(&mut self, dt: f64) -> Solved {
+        self.with_forces(dt, |forces, step, work| forces.solve(step, work.velocities, work.channels))
+    }
+
+    /// Forces, what they see of a step, and what they change.
+    fn with_forces<T>(&mut self, dt: f64, work: impl FnOnce(&mut Forces, &ForceStep, Changed) -> T) -> T {
         let with = self.discretization();
         let particle_mass = self.particle_mass();
         let Particles { positions, channels, .. } = &mut self.particles;
@@ -326,12 +367,7 @@ impl Simulation {
             places,
             densities,
         };
-        self.forces.accelerate(&step, velocities, channels, accelerations);
-        fields::accelerate(velocities, accelerations, dt);
-        let solved = self.forces.solve(&step, velocities, channels);
-        self.push(&solved.on_bodies);
-        self.stages.end(|stages| &mut stages.non_pressure);
-        solved.report
+        work(&mut self.forces, &step, Changed { velocities, accelerations, channels })
     }
 
     fn correct_density_error(&mut self, dt: f64) -> SolveReport {
@@ -396,6 +432,8 @@ impl Simulation {
             *velocity = [x, y, z];
             *position += dt * DVec3::new(x.into(), y.into(), z.into());
         });
+        let shifts = positions.par_iter_mut().zip(&self.fields.shifts).with_min_len(CHUNK);
+        shifts.for_each(|(position, &[x, y, z, _])| *position += DVec3::new(x.into(), y.into(), z.into()));
         let (particle_radius, particle_mass) = (self.world.particle_radius, self.particle_mass());
         let Simulation { bodies, body_forces, boundary, particles, .. } = self;
         strays::ease(particles, boundary.pressed(), particle_radius);

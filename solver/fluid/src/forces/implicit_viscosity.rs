@@ -40,7 +40,7 @@ use stiff::StiffSolver;
 use volmap_runtime::DVec3;
 
 /// Changes of the velocities in the last step, m/s: where the next solve begins.
-const CHANGES: ChannelDeclaration =
+pub(crate) const CHANGES: ChannelDeclaration =
     ChannelDeclaration { name: "viscous_changes", initial: Initial::Vector([0.0; 3]), in_frames: false };
 
 /// Single precision is enough up to this: dt times the rate at which viscosity or drag takes a particle's velocity

@@ -23,6 +23,8 @@ pub struct StepStatistics {
     pub divergence_iterations: u32,
     /// Iterations of the viscous solve; 0 without implicit viscosity and drag at bodies.
     pub viscosity_iterations: u32,
+    /// How often viscosity and density were solved for in turns; 1 where they aren't.
+    pub viscosity_passes: u32,
     /// How much denser than at rest the fluid is, mean over all particles, in parts of the rest density; those that are
     /// less dense count as 0. At the beginning of the step: after the one before, and with what emitters have added.
     pub density_error: f64,
@@ -98,6 +100,7 @@ impl StepStatistics {
             density_iterations: report.density.iterations,
             divergence_iterations: report.divergence.iterations,
             viscosity_iterations: report.viscosity.iterations,
+            viscosity_passes: report.passes,
             density_error: report.compression.mean,
             density_error_max: report.compression.largest,
             densest_x: report.compression.place.x,

@@ -58,6 +58,9 @@ pub(super) fn solver(at: &At, solver: &SolverSettings) -> Checked {
     viscosity.require("max_iterations", solver.viscosity.max_iterations > 0, || {
         "0 iterations solve nothing; viscosity = 0 of the fluid does".into()
     })?;
+    viscosity.require("max_passes", solver.viscosity.max_passes > 0, || {
+        "0 passes solve nothing; 1 solves for viscosity and density once each".into()
+    })?;
     at.positive("relaxation", solver.relaxation)?;
     at.require("relaxation", solver.relaxation <= MOST_RELAXATION, || {
         let given = number(solver.relaxation);
