@@ -21,9 +21,11 @@ mod overlap;
 pub mod placement;
 pub mod prepare;
 mod read;
+pub mod solid;
 pub mod sources;
 mod space;
 pub mod summary;
+mod surface;
 pub mod walls;
 
 pub use body::{Body, FreeMotion, Keyframe, Material, Motion, Spin};
