@@ -5,7 +5,8 @@
 //! 0:
 //!
 //! - [`spread`]: without gravity. Velocities are set to 0 after each step, so that what moves is only what is too dense,
-//!   into what is not dense enough. The particles must be as many as the space holds; then nothing is left empty.
+//!   into what is not dense enough. The particles must be as many as the space holds; then nothing is left empty. If
+//!   that was estimated too high, the densest are left out until all are at rest.
 //! - [`settle`]: with gravity. Only what gravity moves in a single step is let happen, until the pressures change no
 //!   more. A solve stops at its tolerance, so a fluid without pressures takes tens of steps to build them, in which it
 //!   falls and its bodies with it.
@@ -19,6 +20,7 @@ use crate::particles::Particles;
 use crate::settings::{FluidSettings, SolverSettings, ViscosityMethod, World};
 use crate::setup::Setup;
 use crate::simulation::Simulation;
+use std::ops::Range;
 use volmap_bake::watch::Watch;
 use volmap_runtime::DVec3;
 
@@ -38,7 +40,9 @@ pub struct Packing<'a> {
 /// What came of it.
 #[derive(Clone, Debug, Default)]
 pub struct Packed {
-    /// Places, metres, in the order in which they were given.
+    /// Which of the particles that were given are left, in ascending order.
+    pub kept: Vec<u32>,
+    /// Their places, metres.
     pub positions: Vec<DVec3>,
     /// [`Particles::pressures`]; 0 after [`spread`].
     pub pressures: Vec<f32>,
@@ -49,10 +53,12 @@ pub struct Packed {
 }
 
 /// Steps of each part at most.
-const MOST_SPREADING: u32 = 400;
+const MOST_SPREADING: u32 = 800;
 const MOST_SETTLING: u32 = 300;
 /// Particles are at rest when they are too dense by this part, in the mean and at most.
 const AT_REST: [f64; 2] = [5e-4, 1e-2];
+/// Particles that aren't at rest after so many steps are too many.
+const PATIENCE: u32 = 100;
 /// The solve of a step of spreading goes so far: a shell that has to be filled is a small part of all.
 const SPREADING_ERROR: f64 = 1e-5;
 const SPREADING_ITERATIONS: [u32; 2] = [8, 40];
@@ -72,15 +78,30 @@ pub fn spread(packing: Packing, bodies: Vec<BodyDescription>, positions: &[DVec3
     [solver.density.min_iterations, solver.density.max_iterations] = SPREADING_ITERATIONS;
     let world = World { gravity: DVec3::ZERO, ..packing.world.clone() };
     let mut simulation = begin(packing, world, solver, bodies, positions)?;
-    let mut steps = 0;
+    let (mut steps, mut since) = (0, 0);
     while steps < MOST_SPREADING {
-        let report = step(packing, &mut simulation)?;
-        steps += 1;
-        if report.mean <= AT_REST[0] && report.largest <= AT_REST[1] {
+        let found = step(packing, &mut simulation)?;
+        (steps, since) = (steps + 1, since + 1);
+        if found.mean <= AT_REST[0] && found.largest <= AT_REST[1] {
             break;
         }
+        if since >= PATIENCE {
+            let excess = found.mean * simulation.particles().len() as f64;
+            leave_out_densest(&mut simulation, excess.ceil() as usize);
+            since = PATIENCE / 2;
+        }
     }
-    packed(&simulation, steps)
+    Ok(packed(&simulation, steps))
+}
+
+/// Removes so many particles, the densest ones; of equal ones those that came first.
+fn leave_out_densest(simulation: &mut Simulation, count: usize) {
+    let (densities, ids) = (simulation.densities(), &simulation.particles().ids);
+    let mut order: Vec<usize> = (0..ids.len()).collect();
+    order.sort_by(|&a, &b| densities[b].total_cmp(&densities[a]).then(ids[a].cmp(&ids[b])));
+    let mut names: Vec<u32> = order.iter().take(count).map(|&n| ids[n]).collect();
+    names.sort_unstable();
+    simulation.remove(|id| names.binary_search(&id).is_ok());
 }
 
 /// Lets particles settle under gravity among bodies that are held.
@@ -104,7 +125,7 @@ pub fn settle(packing: Packing, bodies: Vec<BodyDescription>, positions: &[DVec3
             before = now;
         }
     }
-    packed(&simulation, steps)
+    Ok(packed(&simulation, steps))
 }
 
 /// A fluid at rest without viscosity, all bodies held, steps of one length.
@@ -145,32 +166,41 @@ fn step(packing: Packing, simulation: &mut Simulation) -> Result<Compression, Er
     Ok(report.compression)
 }
 
-fn packed(simulation: &Simulation, steps: u32) -> Result<Packed, Error> {
+fn packed(simulation: &Simulation, steps: u32) -> Packed {
     let particles = simulation.particles();
     let mut order: Vec<usize> = (0..particles.len()).collect();
     order.sort_by_key(|&n| particles.ids[n]);
-    if particles.len() < particles.next_id as usize {
-        let reason = "some particles leave through the walls, or have no room between them".into();
-        return Err(Error::Setup { place: "packing".into(), reason });
-    }
-    Ok(Packed {
+    Packed {
+        kept: order.iter().map(|&n| particles.ids[n]).collect(),
         positions: order.iter().map(|&n| particles.positions[n]).collect(),
         pressures: order.iter().map(|&n| particles.pressures[n]).collect(),
         compression: Compression::of(simulation.densities(), &particles.positions),
         steps,
-    })
+    }
 }
 
 impl Simulation {
-    /// Puts particles where packing has put them, with their pressures: the first of them is that of the given name.
-    /// Before the first step.
-    pub fn take(&mut self, first: u32, packed: &Packed) {
+    /// Before the first step: of the particles whose names are in a range, those that packing has kept are put where it
+    /// has put them, with their pressures, and the others are removed. The first of the range is packing's first.
+    pub fn take(&mut self, range: Range<u32>, packed: &Packed) {
+        let found = |id: u32| packed.kept.binary_search(&(id - range.start));
         let Particles { positions, pressures, ids, .. } = &mut self.particles;
         for ((position, pressure), &id) in positions.iter_mut().zip(pressures).zip(&*ids) {
-            let Some(n) = id.checked_sub(first).map(|n| n as usize) else { continue };
-            if let (Some(&place), Some(&value)) = (packed.positions.get(n), packed.pressures.get(n)) {
-                (*position, *pressure) = (place, value);
+            if let Some(Ok(n)) = range.contains(&id).then(|| found(id)) {
+                (*position, *pressure) = (packed.positions[n], packed.pressures[n]);
             }
+        }
+        self.remove(|id| range.contains(&id) && found(id).is_err());
+    }
+
+    /// Removes the particles of some names.
+    fn remove(&mut self, is_one: impl Fn(u32) -> bool) {
+        let all = 0..self.particles.len() as u32;
+        let order: Vec<u32> = all.filter(|&n| !is_one(self.particles.ids[n as usize])).collect();
+        if order.len() < self.particles.len() {
+            let densities = order.iter().map(|&n| self.densities()[n as usize]).collect();
+            self.particles.reorder(&order, &mut Particles::default());
+            self.set_densities(densities);
         }
     }
 }

@@ -57,7 +57,7 @@ impl Fields {
     pub(crate) fn hold_density(&mut self, solve: &Solve) -> SolveReport {
         let room = |density: f32| (density - 1.0).min(0.0);
         self.sources(solve, |density, rate, dt| (room(density) / (dt * dt) + rate / dt, true));
-        self.iterate(solve)
+        self.iterate(solve, false)
     }
 
     /// The source of each particle, from its density, the rate at which the velocity raises it, and dt, and whether

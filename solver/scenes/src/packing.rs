@@ -28,30 +28,33 @@ pub fn pack(
     let packing = Packing { world: &world, fluid: &scene.fluid, solver: &scene.solver, watch };
     let held: Vec<BodyDescription> = bodies.iter().map(held).collect();
     let mut notes = Vec::new();
-    let mut packed = Packed::default();
+    let mut parts = Vec::new();
     for source in relaxed {
         let mut all = held.clone();
         all.extend(source.walls.iter().map(wall));
         let found = spread(packing, all, &positions(simulation, &source.particles))?;
         notes.extend(too_dense(source, &found));
-        packed.positions.extend(found.positions);
-        packed.pressures.extend(found.pressures);
+        parts.push(found);
     }
     if world.gravity != DVec3::ZERO && !relaxed.is_empty() {
-        packed = settle(packing, held, &packed.positions)?;
+        let all: Vec<DVec3> = parts.iter().flat_map(|part| part.positions.iter().copied()).collect();
+        share(settle(packing, held, &all)?, &mut parts);
     }
-    let mut taken = 0;
-    for Relaxed { particles, .. } in relaxed {
-        let of_source = taken..taken + particles.len();
-        let part = Packed {
-            positions: packed.positions[of_source.clone()].to_vec(),
-            pressures: packed.pressures[of_source].to_vec(),
-            ..Packed::default()
-        };
-        simulation.take(particles.start as u32, &part);
-        taken += particles.len();
+    for (source, part) in relaxed.iter().zip(&parts) {
+        let Range { start, end } = source.particles;
+        simulation.take(start as u32..end as u32, part);
     }
     Ok(notes)
+}
+
+/// Gives each source its part of what has settled. Those that were lost there stay where they were.
+fn share(settled: Packed, parts: &mut [Packed]) {
+    let places = parts.iter_mut().flat_map(|part| part.positions.iter_mut().zip(&mut part.pressures));
+    let mut places: Vec<(&mut DVec3, &mut f32)> = places.collect();
+    for ((n, position), pressure) in settled.kept.iter().zip(settled.positions).zip(settled.pressures) {
+        let (place, value) = &mut places[*n as usize];
+        (**place, **value) = (position, pressure);
+    }
 }
 
 fn positions(simulation: &Simulation, range: &Range<usize>) -> Vec<DVec3> {

@@ -39,6 +39,12 @@ impl Plan {
     pub fn pack(&mut self, scene: &Scene, watch: &Watch) -> Result<(), Error> {
         let notes = pack(&mut self.simulation, scene, &self.bodies, &self.relaxed, watch)?;
         self.notes.extend(notes);
+        for source in &self.relaxed {
+            let range = source.particles.start as u32..source.particles.end as u32;
+            let count = self.simulation.particles().ids.iter().filter(|id| range.contains(id)).count();
+            let counts = self.counts.iter_mut().filter(|count| count.key == source.key);
+            counts.for_each(|source| source.particles = count as u64);
+        }
         Ok(())
     }
 }

@@ -4,17 +4,13 @@
 use super::body::Motion;
 use super::numbers::Region;
 use super::prepare::PreparedBody;
+use super::spread::spread;
 use crate::output::bodies::surface_of_map;
 use volmap_formats::asset::Exterior;
-use volmap_formats::mesh::TriangleMesh;
 use volmap_runtime::{DVec3, Values};
 
 /// Depths below this part of a cell, and of a particle's radius, may be a map's error.
 const TOLERANCE: f64 = 0.25;
-/// Points on a body's surface, about so many.
-const POINTS: f64 = 4000.0;
-/// Triangles are cut into the square of this many at most.
-const FINEST: f64 = 64.0;
 /// With this part of its surface in the solid around a container, a body isn't in the container.
 const OUTSIDE: f64 = 0.95;
 
@@ -97,24 +93,4 @@ fn surface(body: &PreparedBody, rp: f64) -> Vec<DVec3> {
         None => surface_of_map(&body.map).map(|mesh| spread(&mesh, rp)).unwrap_or_default(),
     };
     points.into_iter().map(|point| body.pose.to_world(point)).collect()
-}
-
-/// The middles of equal parts of the triangles, no wider than a particle, or than what [`POINTS`] parts would be.
-pub(super) fn spread(mesh: &TriangleMesh, rp: f64) -> Vec<DVec3> {
-    let corners = |triangle: &[u32; 3]| triangle.map(|corner| DVec3::from(mesh.vertices[corner as usize]));
-    let area = |[a, b, c]: [DVec3; 3]| 0.5 * (b - a).cross(c - a).length();
-    let total: f64 = mesh.triangles.iter().map(|triangle| area(corners(triangle))).sum();
-    let widest = (2.0 * rp).max((2.0 * total / POINTS).sqrt());
-    // Of finer meshes, not each triangle.
-    let stride = (mesh.triangles.len() as f64 / (4.0 * POINTS)).ceil().max(1.0) as usize;
-    let mut points = Vec::new();
-    for triangle in mesh.triangles.iter().step_by(stride) {
-        let [a, b, c] = corners(triangle);
-        let longest = (b - a).length().max((c - b).length()).max((a - c).length());
-        let parts = (longest / widest).ceil().clamp(1.0, FINEST) as u32;
-        let at = |n: u32| (f64::from(n) + 1.0 / 3.0) / f64::from(parts);
-        let rows = (0..parts).flat_map(|i| (0..parts - i).map(move |j| (i, j)));
-        points.extend(rows.map(|(i, j)| a + at(i) * (b - a) + at(j) * (c - a)));
-    }
-    points
 }

@@ -5,16 +5,13 @@ use super::count::make_count;
 use super::fluid::{Fill, Packing};
 use super::numbers::Region;
 use super::overlap::{BODY_MARGIN, Placed, bounds, drop_in_bodies, drop_outside};
+use super::solid::{Solid, depth_in};
 use super::space::Space;
 use crate::error::Error;
 use glam::{BVec3, DVec3};
 use serde::Serialize;
 use std::ops::Range;
-use std::sync::Arc;
-use volmap_bake::sdf::{BoundaryDistance, SignedDistance};
 use volmap_fluid::lattice::{self, MAX_PARTICLES};
-use volmap_formats::asset::Exterior;
-use volmap_formats::mesh::TriangleMesh;
 use volmap_formats::text::{number, thousands};
 use volmap_runtime::{PosedMap, Values};
 
@@ -24,36 +21,6 @@ const MAP_SLACK: f64 = 0.1;
 const DUPLICATE: f64 = 1.0;
 /// Points per query of a map.
 const BLOCK: usize = 4096;
-
-/// A solid that is filled.
-#[derive(Clone, Debug)]
-pub struct Solid {
-    /// Its map, placed.
-    pub map: PosedMap,
-    /// Its mesh in the map's frame, if there is one. It is more exact than the map in the corners of a box, where
-    /// particles must fit.
-    pub mesh: Option<BoundaryDistance>,
-    /// The mesh itself, in the map's frame.
-    pub surface: Option<Arc<TriangleMesh>>,
-    /// Offset of the map's surface from the mesh, out of the solid, metres.
-    pub thickness: f64,
-}
-
-impl Solid {
-    /// A box around its map's grid, metres.
-    pub(super) fn bounds(&self) -> [DVec3; 2] {
-        let (middle, half) = self.middle_and_half();
-        [middle - half, middle + half]
-    }
-
-    fn middle_and_half(&self) -> (DVec3, DVec3) {
-        let grid = self.map.map.grid();
-        let [low, high] = [grid.origin, grid.max_corner()];
-        let turned = |axis: DVec3| (self.map.pose.rotation * (axis * (high - low))).abs();
-        let half = 0.5 * (turned(DVec3::X) + turned(DVec3::Y) + turned(DVec3::Z));
-        (self.map.pose.to_world(0.5 * (low + high)), half)
-    }
-}
 
 /// The fluid at the start.
 #[derive(Clone, Debug, Default)]
@@ -96,9 +63,11 @@ pub fn fill(scene: &Scene, solids: &[Solid], bodies: &[PosedMap]) -> Result<Plac
     for source in &mut sources {
         let points = &mut source.points;
         let outside = drop_outside(points, scene.domain.as_ref());
-        let in_bodies = drop_in_bodies(points, bodies, BODY_MARGIN * rp);
+        let mut in_bodies = drop_in_bodies(points, bodies, BODY_MARGIN * rp);
         let is_relaxed = source.packing == Packing::Relaxed;
         if is_relaxed {
+            // Its space ends at bodies, and is full.
+            in_bodies = 0;
             let holds = source.space.volume() / scene.particle_volume();
             make_count(points, source.space, holds.round() as usize);
         }
@@ -261,18 +230,4 @@ fn with_room(points: impl Iterator<Item = DVec3>, fill: &Fill, solid: &Solid, sp
 fn has_room(solid: &Solid, point: DVec3, distance: f64, rp: f64) -> bool {
     let depth = depth_in(solid, point, distance, rp);
     depth >= rp * (1.0 - if solid.mesh.is_some() { 1e-6 } else { MAP_SLACK })
-}
-
-/// How deep a point is in the space that is filled, metres; `distance` is the map's, which is taken where the mesh is
-/// farther than 2 rp.
-pub(super) fn depth_in(solid: &Solid, point: DVec3, distance: f64, rp: f64) -> f64 {
-    let side = if solid.map.map.exterior() == Exterior::Solid { 1.0 } else { -1.0 };
-    let depth = side * distance;
-    match &solid.mesh {
-        Some(mesh) if depth.abs() < 2.0 * rp => {
-            // Inside the mesh is the solid, or the hollow of a container: both are filled.
-            -mesh.at(solid.map.pose.to_map(point)) - side * solid.thickness
-        }
-        _ => depth,
-    }
 }

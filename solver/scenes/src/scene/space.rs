@@ -1,7 +1,7 @@
 //! The space that a source's fluid may fill: a box or a solid, less the bodies, and how much that is.
 
 use super::numbers::Region;
-use super::sources::{Solid, depth_in};
+use super::solid::{Solid, depth_in};
 use rayon::prelude::*;
 use volmap_runtime::{DVec3, PosedMap, Values};
 
