@@ -178,7 +178,8 @@ impl Scene {
         let emits = !emitters.is_empty();
         let has_default_pressure = solver.boundary_pressure == BoundaryPressure::Own;
         let words = format!(
-            "{:?} {:?} {:?}, {:?}, g {:.1}, nu {:.1e} {:?}, xsph {:.2}, {} particles, [{}]{}, relaxation {:.2}, warm {:.2}, dt {:.1e}",
+            "{:?} {:?} {:?}, {:?}, g {:.1}, nu {:.1e} {:?}, xsph {:.2}, {} particles, [{}]{}, \
+             relaxation {:.2}, warm {:.2}, dt {:.1e}",
             view.0,
             view.1,
             solver.boundary_pressure,
