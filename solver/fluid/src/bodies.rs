@@ -30,8 +30,8 @@ use volmap_formats::mesh::TriangleMesh;
 use volmap_runtime::{DVec3, Pose, PosedMap};
 use world::World;
 
-/// A free body holds another one up to so many times as heavy; a heavier one sinks into it, by 1.2 mm times the ratio of
-/// their masses over this.
+/// A free body holds another one up to so many times as heavy; a heavier one sinks into it, by 1.2 mm times the ratio
+/// of their masses over this.
 pub const MOST_UNLIKE: f64 = 1000.0;
 
 /// All bodies of a simulation, and its time.

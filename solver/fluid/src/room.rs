@@ -8,8 +8,8 @@ use glam::IVec3;
 use std::collections::HashMap;
 use volmap_runtime::{DVec3, PosedMap};
 
-/// Nearer to a particle than this part of a spacing there is no room, nor nearer to a body than that part. Fluid at rest
-/// gives way to what comes between its particles, but not to what lies on top of them.
+/// Nearer to a particle than this part of a spacing there is no room, nor nearer to a body than that part. Fluid at
+/// rest gives way to what comes between its particles, but not to what lies on top of them.
 const NEAREST: f64 = 0.5;
 const NEAREST_BODY: f64 = 0.1;
 /// Of what comes between particles in the same moment, no two may be nearer to each other than so many spacings: the
@@ -81,9 +81,9 @@ impl Room {
     }
 }
 
-/// Gives fluid in the mouth of a nozzle, nearer than a spacing to one of these places (metres), at least the velocity of
-/// the flow (m/s) along it: a pump pushes out what lies in its mouth. So there is room after a while, if what lies there
-/// can go.
+/// Gives fluid in the mouth of a nozzle, nearer than a spacing to one of these places (metres), at least the velocity
+/// of the flow (m/s) along it: a pump pushes out what lies in its mouth. So there is room after a while, if what lies
+/// there can go.
 pub fn clear(places: &[DVec3], flow: DVec3, particles: &mut Particles, spacing: f64) {
     let low = places.iter().fold(DVec3::INFINITY, |low, &x| low.min(x)) - spacing;
     let high = places.iter().fold(DVec3::NEG_INFINITY, |high, &x| high.max(x)) + spacing;

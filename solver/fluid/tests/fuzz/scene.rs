@@ -25,6 +25,8 @@ use volmap_runtime::{ClosureKind, DQuat, DVec3, KernelKind, Pose};
 /// Particles at most, of blocks; emitters add some.
 pub const MOST_PARTICLES: usize = 500;
 pub const RP: f64 = 0.025;
+/// What moves less than this counts as still, m/s.
+const STILL: f64 = 0.05;
 /// From here on viscosity is solved for in double precision.
 const DOUBLE_PRECISION: f64 = 1e4;
 /// Two blocks are so many rp apart: as near as a lattice's particles they would begin pressed together.
@@ -32,25 +34,14 @@ const APART: f64 = 2.5;
 /// Half of the edge of the tank, and of the space that all is put into without one, metres.
 const HALF: f64 = 0.35;
 
-/// What the forces of bodies on the fluid are.
-#[derive(Clone, Copy)]
-pub enum Forces {
-    /// The gradient of the density that the solves keep.
-    Gradient,
-    /// That of maps in which it jumps, at edges.
-    GradientWithJumps,
-    /// Other ones.
-    Other,
-}
-
 /// A scene, and what is known of it.
 pub struct Scene {
     /// Before its first step.
     pub simulation: Simulation,
     /// m/s^2.
     pub gravity: DVec3,
-    /// What bodies do.
-    pub forces: Forces,
+    /// Whether the boundary's pressure is the default.
+    pub has_default_pressure: bool,
     /// What its energy is compared with, joule.
     pub energy: f64,
     /// How often over viscosity takes a particle's velocity in a step, where that is solved for in single precision.
@@ -185,15 +176,10 @@ impl Scene {
         let particles = blocks(&mut dice, &bodies, clearance(view));
         let emitters = if dice.chance(0.15) { vec![emitter(&mut dice)] } else { Vec::new() };
         let emits = !emitters.is_empty();
-        let forces = match (view, solver.boundary_pressure) {
-            ((BoundaryMethod::DensityMap, _) | (_, ClosureKind::Offset), BoundaryPressure::Own) => {
-                Forces::GradientWithJumps
-            }
-            (_, BoundaryPressure::Own) => Forces::Gradient,
-            _ => Forces::Other,
-        };
+        let has_default_pressure = solver.boundary_pressure == BoundaryPressure::Own;
         let words = format!(
-            "{:?} {:?} {:?}, {:?}, g {:.1}, nu {:.1e} {:?}, xsph {:.2}, {} particles, [{}]{}, relaxation {:.2}, warm {:.2}, dt {:.1e}",
+            "{:?} {:?} {:?}, {:?}, g {:.1}, nu {:.1e} {:?}, xsph {:.2}, {} particles, [{}]{}, \
+             relaxation {:.2}, warm {:.2}, dt {:.1e}",
             view.0,
             view.1,
             solver.boundary_pressure,
@@ -222,7 +208,7 @@ impl Scene {
         Ok(Scene {
             simulation,
             gravity,
-            forces,
+            has_default_pressure,
             energy,
             stiffness,
             is_driven,
@@ -252,7 +238,7 @@ fn scale(simulation: &Simulation, gravity: f64) -> f64 {
     let heavy = (0..bodies.posed().len()).filter_map(|body| bodies.mass(body)).map(|mass| mass.mass);
     let mass = simulation.particle_mass() * simulation.particles().len() as f64 + heavy.sum::<f64>();
     let kinetic = volmap_fluid::observe::kinetic_energy(simulation) + bodies.totals().kinetic_energy;
-    kinetic + mass * gravity * HALF
+    kinetic + mass * (gravity * HALF + 0.5 * STILL * STILL)
 }
 
 fn words_of(body: &BodyDescription) -> String {
@@ -286,7 +272,9 @@ fn fluid(dice: &mut Dice, world: &World) -> FluidSettings {
 }
 
 fn solver(dice: &mut Dice, fluid: &FluidSettings, world: &World) -> SolverSettings {
-    let mut solver = SolverSettings { boundary_pressure: dice.pick(&PRESSURES), ..SolverSettings::default() };
+    let own = dice.chance(0.4);
+    let boundary_pressure = if own { BoundaryPressure::Own } else { dice.pick(&PRESSURES) };
+    let mut solver = SolverSettings { boundary_pressure, ..SolverSettings::default() };
     if dice.chance(0.4) {
         let mut solve = |min_iterations: u32| SolveSettings {
             enabled: true,
