@@ -31,6 +31,11 @@ const SMALLEST_FACTOR: f32 = 1e-8;
 /// loosely. Their divergence is left alone.
 const SURFACE_DENSITY: f32 = 0.9;
 
+/// A solve that ends at its limit of iterations with an error so many times that of its beginning has found nothing,
+/// and must not throw the fluid about. None does whose forces are the gradient of the density; with pressures of the
+/// boundary (`mirror`, `sph`, `mls`) some do.
+const DIVERGED: f64 = 2.0;
+
 /// How much of a density's error, in parts of the rest density, is corrected in a step. In a flow it is a tenth of
 /// this; but particles that begin too close together, beside a rough wall or in each other, would be thrown apart at
 /// once.
@@ -107,8 +112,8 @@ impl Fields {
                 }
             }
             // What pressed in the last step, and doesn't in this one, must not push.
-            for (start, source) in starts.iter_mut().zip(sources) {
-                *start = if *source > 0.0 { *start } else { 0.0 };
+            for (start, (source, step)) in starts.iter_mut().zip(sources.iter().zip(&*steps)) {
+                *start = if *source > 0.0 && *step > 0.0 { *start } else { 0.0 };
             }
         });
     }
@@ -116,6 +121,7 @@ impl Fields {
     /// Relaxed Jacobi steps until the mean error is small, from the pressures that are there, which may be zero.
     fn iterate(&mut self, solve: &Solve, from_zero: bool) -> SolveReport {
         let mut report = SolveReport::default();
+        let mut first = None;
         loop {
             report.error = if from_zero && report.iterations == 0 {
                 self.relax_from_zero(solve)
@@ -129,10 +135,21 @@ impl Fields {
             if good && report.iterations >= solve.settings.min_iterations
                 || report.iterations >= solve.settings.max_iterations
             {
+                if report.error > DIVERGED * *first.get_or_insert(report.error) + solve.settings.max_error {
+                    self.give_up();
+                }
                 return report;
             }
+            first.get_or_insert(report.error);
             std::mem::swap(&mut self.pressures, &mut self.next_pressures);
         }
+    }
+
+    /// Without pressures: those that were found are worse than none.
+    fn give_up(&mut self) {
+        self.pressures.fill(0.0);
+        self.site_pressures.fill(0.0);
+        self.accelerations.fill([0.0; 4]);
     }
 
     /// The first Jacobi step from pressures of zero, which accelerate nothing; the mean error.

@@ -31,6 +31,9 @@ use volmap_runtime::DVec3;
 /// about, with 0.1 and more it is as calm as without extrapolation.
 const LEAST_SPREAD: f64 = 0.1;
 
+/// The least part of a particle's factor that a boundary's pressure may leave.
+const LEAST_ANSWER: f32 = 0.1;
+
 /// Sites that are worked on together.
 const CHUNK: usize = 256;
 
@@ -348,9 +351,11 @@ impl<'a> WallPressure<'a> {
         self.kind != BoundaryPressure::Own
     }
 
-    /// Adds to the factors of a block's particles, the first of which is `first`, what the boundary's pressure does
-    /// beyond that of the particle at rest density: p_b has D^2 for each P, and where walls make most of a density
-    /// that is so much that Jacobi's steps would be too long. A bound: the particle's own part, and its neighbours'.
+    /// Adds to the factors of a block's particles, the first of which is `first`, a bound of what the boundary's
+    /// pressure does beyond `own`: to the particle itself, and to its neighbours. p_b has D^2 for each P, and where
+    /// walls make most of a density that is so much that Jacobi's steps would be too long. An extrapolated pressure is
+    /// the neighbours' as well, so that only what is beyond the rest density's counts. Infinite where the boundary would
+    /// press a particle together the more the more pressure it has: no pressure is a solution there.
     pub fn add_bounds(
         &self,
         boundary: &Boundary,
@@ -359,11 +364,15 @@ impl<'a> WallPressure<'a> {
         seen: Seen,
         factors: &mut [f32],
     ) {
+        let is_own = self.kind == BoundaryPressure::Mirror;
         let dot = |a: [f32; 3], b: Quad| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
         let add = |particle: usize, [x, y, z]: [f32; 3], per_pressure: f32, factors: &mut [f32]| {
-            let own = dot([x, y, z], seen.gradients[particle]).abs();
-            let others = (dot([x, y, z], [x, y, z, 0.0]) * seen.factors[particle]).sqrt();
-            factors[particle - first] += (per_pressure - 1.0).max(0.0) * (own + others);
+            let (own, factor) = (dot([x, y, z], seen.gradients[particle]), seen.factors[particle]);
+            let others = (dot([x, y, z], [x, y, z, 0.0]) * factor).sqrt();
+            let beyond = (per_pressure - 1.0).max(0.0);
+            let more = if is_own { per_pressure } else { beyond } * own.abs() + beyond * others;
+            let is_against = factor + per_pressure * own < LEAST_ANSWER * factor;
+            factors[particle - first] += if is_against { f32::INFINITY } else { more };
         };
         if self.kind == BoundaryPressure::Mirror {
             for particle in first..first + factors.len() {
