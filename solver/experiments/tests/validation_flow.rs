@@ -33,7 +33,8 @@ fn bodies_are_lifted_and_float() {
     let outcome = run(floats::EXPERIMENT);
     let lift = outcome.measured("ball, held", "lift over weight of displaced water").unwrap();
     assert!((lift - 1.0).abs() < 0.05, "{lift}");
-    for (body, across, most) in [("ball", 8, 0.04), ("box", 8, 0.05), ("ball", 16, 0.025), ("box", 16, 0.025)] {
+    for (body, across, most) in [("ball", 8, 0.04), ("box", 8, 0.05), ("ball", 16, 0.025), ("box", 16, 0.025)]
+    {
         let case = format!("{body}, {across} rp, 500 kg/m^3");
         let of = |quantity: &str| outcome.measured(&case, quantity).unwrap();
         let submerged = of("submerged part less Archimedes'");
