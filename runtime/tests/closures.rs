@@ -126,7 +126,8 @@ fn mirror_fills_edges_and_corners() {
     for (count, slack) in [(1, 2e-3), (2, 0.025), (3, 0.045)] {
         // Walls in the last `count` axes.
         let phi = |x: DVec3| x.to_array()[3 - count..].iter().copied().fold(f64::INFINITY, f64::min);
-        let x = particle * DVec3::ONE;
+        // Walls stand back by a fortieth of rp.
+        let x = 0.975 * particle * DVec3::ONE;
         let (_, volume) = integrate(&phi, &Kernel::new(KernelKind::CubicSpline, 1.0), x, STEPS);
         let wall = mirror.density(&surface(&phi, x, volume), x).unwrap().density;
         let from = |axis: usize| if axis < 3 - count { -3 } else { 0 };

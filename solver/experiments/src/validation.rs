@@ -14,6 +14,7 @@ pub mod hydrostatic;
 pub mod incline;
 pub mod kernels;
 pub mod momentum;
+mod released;
 pub mod sphere;
 
 use volmap_bake::watch::Watch;

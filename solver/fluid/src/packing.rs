@@ -1,12 +1,12 @@
 //! Fluid that begins at rest without a lattice: its particles are spread until the density is that of rest everywhere,
 //! up to walls and bodies, and then let settle until the pressures are those of their depth.
 //!
-//! Both are done by the solver itself, with the scene's own method and settings, bodies held where they are, before time
-//! 0:
+//! Both are done by the solver itself, with the scene's own method and settings, before time 0, bodies held where they
+//! are:
 //!
-//! - [`spread`]: without gravity. Velocities are set to 0 after each step, so that what moves is only what is too dense,
-//!   into what is not dense enough. The particles must be as many as the space holds; then nothing is left empty. If
-//!   that was estimated too high, the densest are left out until all are at rest.
+//! - [`spread`]: without gravity. Velocities are set to 0 after each step, so that what moves is only what is too
+//!   dense, into what is not dense enough. The particles must be as many as the space holds; then nothing is left
+//!   empty. If that was estimated too high, the densest are left out until all are at rest.
 //! - [`settle`]: with gravity. Only what gravity moves in a single step is let happen, until the pressures change no
 //!   more. A solve stops at its tolerance, so a fluid without pressures takes tens of steps to build them, in which it
 //!   falls and its bodies with it.

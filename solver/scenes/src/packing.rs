@@ -65,8 +65,8 @@ fn too_dense(source: &Relaxed, packed: &Packed) -> Option<String> {
     let found = &packed.compression;
     (found.largest > COMPRESSED).then(|| {
         format!(
-            "{}: its particles are not at rest after {} steps: up to {} denser than at rest, at ({}) m; look for bodies \
-             that overlap there, or for gaps narrower than a particle",
+            "{}: its particles are not at rest after {} steps: up to {} denser than at rest, at ({}) m; look for \
+             bodies that overlap there, or for gaps narrower than a particle",
             source.key,
             thousands(packed.steps.into()),
             percent(found.largest),

@@ -31,8 +31,8 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Spreads the particles of relaxed sources, which takes as long as some hundred steps. Before the first step; a run
-    /// that goes on from a checkpoint needs none of it.
+    /// Spreads the particles of relaxed sources, which takes as long as some hundred steps. Before the first step; a
+    /// run that goes on from a checkpoint needs none of it.
     ///
     /// # Errors
     /// As [`Simulation::step`].

@@ -2,6 +2,7 @@
 //! water is pushed up by the weight of what it displaces.
 
 use super::flow::{GRAVITY, lattice, volume_below, water_of};
+use super::released::release;
 use super::{Experiment, Outcome, Row, Run, chart, curve};
 use volmap_bake::random::Random;
 use volmap_figures::picture::colours::DISTINCT;
@@ -11,13 +12,14 @@ use volmap_fluid::observe::line;
 use volmap_fluid::settings::World;
 use volmap_fluid::shapes::{Shape, baked, ball, cuboid};
 use volmap_fluid::simulation::Simulation;
+use volmap_formats::mesh::TriangleMesh;
 use volmap_runtime::{DVec3, KernelKind, Pose, VolumeMap};
 
 /// Its entry in [`EXPERIMENTS`](super::EXPERIMENTS).
 pub const EXPERIMENT: Experiment = Experiment {
     name: "floats",
     title: "Archimedes",
-    about: "A ball and a box held under water, and floating at densities of 250 to 750 kg/m^3",
+    about: "A ball and a box held under water, floating at 100 to 900 kg/m^3, and a ball released under water",
     run,
 };
 
@@ -26,34 +28,47 @@ const HALF_WIDTH: f64 = 0.4;
 const DEPTH: f64 = 0.6;
 const RHO: f64 = 1000.0;
 
+/// Half of the ball's and the box's width, metres.
+const HALF: f64 = 0.16;
+
 fn run(run: &Run) -> Result<Outcome, Error> {
     let mut outcome = Outcome::default();
-    let radius = run.pick(0.02, 0.04 / 3.0);
-    let support = 4.0 * radius;
-    let tank =
-        Tank { shape: baked(hollow(), support, true)?, radius, kernel: (KernelKind::CubicSpline, 4.0) };
-    let ball = baked(ball(0.16, 5), support, false)?;
-    let cube = baked(cube(), support, false)?;
-    let all: [(&str, &Shape); 2] = [("ball", &ball), ("box", &cube)];
-    let held = &all[..run.pick(1, 2)];
-    for (name, shape) in held {
-        (run.progress)(&format!("floats: {name} held under water"));
-        held_under_water(run, &mut outcome, &tank, name, shape)?;
-    }
+    held(run, &mut outcome)?;
     let mut curves = Vec::new();
-    let densities: &[f64] = run.pick(&[500.0], &[250.0, 500.0, 750.0]);
-    for (name, shape) in held {
-        for &density in densities {
-            (run.progress)(&format!("floats: {name} of {density} kg/m^3"));
-            let colour = DISTINCT[curves.len() % DISTINCT.len()];
-            let points = floating(run, &mut outcome, &tank, name, shape, density)?;
-            curves.push(curve(format!("{name}, {density}"), colour, points));
+    let densities: &[f64] = run.pick(&[500.0], &[100.0, 250.0, 500.0, 750.0, 900.0]);
+    for (across, most) in [(8.0, 0.04), (16.0, 0.02)] {
+        let tank = Tank::of(2.0 * HALF / across)?;
+        for (name, shape) in [("ball", tank.baked(ball(HALF, 5))?), ("box", tank.baked(cube())?)] {
+            for &density in densities {
+                let case = format!("{name}, {across} rp, {density} kg/m^3");
+                (run.progress)(&format!("floats: {case}"));
+                let colour = DISTINCT[curves.len() % DISTINCT.len()];
+                let floating = Floating { case: &case, density, most };
+                curves.push(curve(case.clone(), colour, floating.run(run, &mut outcome, &tank, &shape)?));
+            }
         }
     }
-    let axes = [["Time", "s"], ["Submerged part over that of Archimedes", ""]];
+    let released: &[(f64, f64)] =
+        run.pick(&[(500.0, 0.0)], &[(500.0, 0.0), (500.0, 1.0), (2000.0, 0.0), (100.0, 0.0)]);
+    for &(density, off) in released {
+        (run.progress)(&format!("floats: ball of {density} kg/m^3 released under water"));
+        release(run, &mut outcome, density, off)?;
+    }
+    let axes = [["Time", "s"], ["Submerged part less Archimedes'", "of the whole"]];
     outcome.chart("floats.png", chart("Floating bodies", axes[0], axes[1], curves));
     outcome.notes.push(NOTE.into());
     Ok(outcome)
+}
+
+/// Bodies that are held under water.
+fn held(run: &Run, outcome: &mut Outcome) -> Result<(), Error> {
+    let tank = Tank::of(run.pick(0.02, 0.04 / 3.0))?;
+    let all = [("ball", tank.baked(ball(HALF, 5))?), ("box", tank.baked(cube())?)];
+    for (name, shape) in &all[..run.pick(1, 2)] {
+        (run.progress)(&format!("floats: {name} held under water"));
+        held_under_water(run, outcome, &tank, name, shape)?;
+    }
+    Ok(())
 }
 
 const NOTE: &str = "\
@@ -62,11 +77,11 @@ const NOTE: &str = "\
     over the second half of each run. Particles begin up to 0.3 rp off the lattice: on the lattice, water at rest is \
     a crystal that may carry a body.";
 
-fn cube() -> volmap_formats::mesh::TriangleMesh {
-    cuboid(DVec3::splat(-0.14), DVec3::splat(0.14))
+fn cube() -> TriangleMesh {
+    cuboid(DVec3::splat(-HALF), DVec3::splat(HALF))
 }
 
-fn hollow() -> volmap_formats::mesh::TriangleMesh {
+fn hollow() -> TriangleMesh {
     cuboid(DVec3::new(-HALF_WIDTH, 0.0, -HALF_WIDTH), DVec3::new(HALF_WIDTH, 1.2, HALF_WIDTH))
 }
 
@@ -88,13 +103,24 @@ pub(super) fn of_kernel(
     let radius = 0.02;
     let support = kernel.1 * radius;
     let tank = Tank { shape: baked(hollow(), support, true)?, radius, kernel };
-    let ball = baked(ball(0.16, 5), support, false)?;
+    let ball = tank.baked(ball(HALF, 5))?;
     // As long as the short form: the ball has come to rest by then.
-    floating(&Run { short: true, ..*run }, outcome, &tank, case, &ball, 500.0)?;
+    let floating = Floating { case: &format!("{case}, 500 kg/m^3"), density: 500.0, most: 0.03 };
+    floating.run(&Run { short: true, ..*run }, outcome, &tank, &ball)?;
     Ok(())
 }
 
 impl Tank {
+    /// For particles of a radius (metres) with the default kernel.
+    fn of(radius: f64) -> Result<Tank, Error> {
+        let kernel = (KernelKind::CubicSpline, 4.0);
+        Ok(Tank { shape: baked(hollow(), 4.0 * radius, true)?, radius, kernel })
+    }
+
+    fn baked(&self, mesh: TriangleMesh) -> Result<Shape, Error> {
+        baked(mesh, self.kernel.1 * self.radius, false)
+    }
+
     /// Water with a body in it; free bodies only.
     fn with(&self, body: BodyDescription) -> Result<Simulation, Error> {
         let (size, radius) = (DVec3::new(HALF_WIDTH, DEPTH, HALF_WIDTH), self.radius);
@@ -222,42 +248,54 @@ fn surface_level(simulation: &Simulation) -> f64 {
     tops.values().sum::<f64>() / tops.len() as f64 + radius(simulation)
 }
 
-/// Lets a body float; the submerged part over Archimedes' with time.
-fn floating(
-    run: &Run,
-    outcome: &mut Outcome,
-    tank: &Tank,
-    name: &str,
-    shape: &Shape,
+/// A body that floats.
+struct Floating<'a> {
+    case: &'a str,
     density: f64,
-) -> Result<Vec<[f64; 2]>, Error> {
-    let end = run.pick(1.6, 3.0);
-    let part = density / RHO;
-    // It begins a little higher than it floats.
-    let height = DEPTH + 0.28 * (0.5 - part) + 0.05;
-    let mut simulation = tank.with(shape.body(name, DVec3::new(0.0, height, 0.0), free(density, false)))?;
-    let whole = volume_below(&shape.mesh, Default::default(), 9.0);
-    let (mut points, mut sums, mut time, mut speed) = (Vec::new(), [0.0; 3], 0.0, 0.0f64);
-    run.until(&mut simulation, end, &mut |simulation, report| {
-        let state = simulation.bodies().state(1);
-        speed = speed.max(state.velocity.length());
-        let [offset, slope] = pressure_line(simulation);
-        let by_volume = level_by_volume(simulation, shape, state.pose);
-        let levels = [by_volume, -offset / slope, surface_level(simulation)];
-        let submerged = levels.map(|level| volume_below(&shape.mesh, state.pose, level) / whole / part);
-        points.push([simulation.time(), submerged[0]]);
-        if simulation.time() > 0.5 * end {
-            time += report.dt;
-            sums.iter_mut().zip(submerged).for_each(|(sum, part)| *sum += report.dt * part);
-        }
-    })?;
-    let case = format!("{name}, {density} kg/m^3");
-    let rows = &mut outcome.rows;
-    let [by_volume, by_pressure, by_surface] = sums.map(|sum| sum / time);
-    rows.push(Row::new(&case, "submerged part over Archimedes'", "", by_volume).between(0.97, 1.03));
-    rows.push(Row::new(&case, "the same by the pressure's level", "", by_pressure));
-    rows.push(Row::new(&case, "the same by the highest particles", "", by_surface));
-    rows.push(Row::new(&case, "largest speed", "m/s", speed).at_most(3.0));
-    rows.push(Row::new(&case, "speed at the end", "m/s", simulation.bodies().state(1).velocity.length()));
-    Ok(points)
+    /// By how much its submerged part may differ from Archimedes', in parts of the whole.
+    most: f64,
+}
+
+impl Floating<'_> {
+    /// The submerged part less Archimedes' with time.
+    fn run(
+        &self,
+        run: &Run,
+        outcome: &mut Outcome,
+        tank: &Tank,
+        shape: &Shape,
+    ) -> Result<Vec<[f64; 2]>, Error> {
+        let end = run.pick(1.6, 3.0);
+        let part = self.density / RHO;
+        // It begins a little higher than it floats.
+        let height = DEPTH + 2.0 * HALF * (0.5 - part) + 0.05;
+        let body = shape.body("body", DVec3::new(0.0, height, 0.0), free(self.density, false));
+        let mut simulation = tank.with(body)?;
+        let whole = volume_below(&shape.mesh, Default::default(), 9.0);
+        let (mut points, mut sums, mut time, mut speed) = (Vec::new(), [0.0; 3], 0.0, 0.0f64);
+        run.until(&mut simulation, end, &mut |simulation, report| {
+            let state = simulation.bodies().state(1);
+            speed = speed.max(state.velocity.length());
+            let [offset, slope] = pressure_line(simulation);
+            let by_volume = level_by_volume(simulation, shape, state.pose);
+            let levels = [by_volume, -offset / slope, surface_level(simulation)];
+            let submerged = levels.map(|level| volume_below(&shape.mesh, state.pose, level) / whole);
+            points.push([simulation.time(), submerged[0] - part]);
+            if simulation.time() > 0.5 * end {
+                time += report.dt;
+                sums.iter_mut().zip(submerged).for_each(|(sum, part)| *sum += report.dt * part);
+            }
+        })?;
+        let rows = &mut outcome.rows;
+        let [by_volume, by_pressure, by_surface] = sums.map(|sum| sum / time);
+        let less = Row::new(self.case, "submerged part less Archimedes'", "", by_volume - part);
+        rows.push(less.between(-self.most, self.most));
+        rows.push(Row::new(self.case, "submerged part over Archimedes'", "", by_volume / part));
+        rows.push(Row::new(self.case, "the same by the pressure's level", "", by_pressure / part));
+        rows.push(Row::new(self.case, "the same by the highest particles", "", by_surface / part));
+        rows.push(Row::new(self.case, "largest speed", "m/s", speed).at_most(3.0));
+        let end = simulation.bodies().state(1).velocity.length();
+        rows.push(Row::new(self.case, "speed at the end", "m/s", end));
+        Ok(points)
+    }
 }

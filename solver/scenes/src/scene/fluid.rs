@@ -48,9 +48,9 @@ pub struct Block {
     pub packing: Packing,
 }
 
-/// A solid filled with particles: a cubic lattice of spacing 2 rp along the world's axes, of which the points are taken
-/// that lie as deep in the solid as fluid rests from walls: rp, with some boundary methods up to 2.8 rp. A container (an
-/// inverted map) is filled with what it can hold.
+/// A solid filled with particles: a cubic lattice of spacing 2 rp along the world's axes, of which the points
+/// at least rp deep in the solid are taken, and as far from bodies as fluid rests from them: rp, with some boundary
+/// methods up to 2.8 rp. A container (an inverted map) is filled with what it can hold.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Fill {

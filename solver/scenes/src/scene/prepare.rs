@@ -355,8 +355,8 @@ fn left_empty(count: &SourceCount, scene: &Scene) -> Option<String> {
     (in_bodies > 0.0 && empty > EMPTY_OF_BODIES * in_bodies).then(|| {
         let (shell, particles) = (significant(empty, 2), (empty / volume).round() as u64);
         format!(
-            "{}: its lattice leaves {shell} m^3 empty around bodies and at its faces, room for {} particles, into which \
-             water and bodies fall at first; {cure}",
+            "{}: its lattice leaves {shell} m^3 empty around bodies and at its faces, room for {} particles, into \
+             which water and bodies fall at first; {cure}",
             count.key,
             thousands(particles)
         )
