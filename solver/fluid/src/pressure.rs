@@ -99,16 +99,14 @@ impl Fields {
                 *step = if takes_part && *step > least { solve.relaxation / *step } else { 0.0 };
                 *out = if takes_part { source } else { 0.0 };
             }
+            let of_error = |density: f32| source(density, 0.0, dt).0;
             for pressed in solve.boundary.pressed_of_block(block) {
-                let particle = pressed.particle as usize;
-                let (factor, density) = (factors[particle], densities[particle]);
-                let (step, out) = (&mut steps[particle - lists.first], &mut sources[particle - lists.first]);
+                let (particle, within) = (pressed.particle as usize, pressed.particle as usize - lists.first);
+                let (factor, density, step) = (factors[particle], densities[particle], &mut steps[within]);
                 if *step > 0.0 {
-                    *step = solve.relaxation
-                        / (solve.relaxation / *step + pressed.compliance(factor, density, dt));
-                    let of_error = |density: f32| source(density, 0.0, dt).0;
-                    let left = of_error(pressed.by_neighbours(density));
-                    *out += left * if left > 0.0 { pressed.part_of_error() } else { 1.0 } - of_error(density);
+                    let compliance = pressed.compliance(factor, density, dt);
+                    *step = solve.relaxation / (solve.relaxation / *step + compliance);
+                    sources[within] += pressed.left_of_error(density, of_error) - of_error(density);
                 }
             }
             // What pressed in the last step, and doesn't in this one, must not push.

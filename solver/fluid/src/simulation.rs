@@ -131,7 +131,8 @@ impl Simulation {
     /// A simulation at time 0.
     ///
     /// # Errors
-    /// As [`Boundary::new`]; factors of the solver out of their range, a free body that is too light; a force whose settings can't be used, or that needs a channel of another force.
+    /// As [`Boundary::new`]; factors of the solver out of their range, a free body that is too light; a force whose
+    /// settings can't be used, or that needs a channel of another force.
     pub fn new(setup: Setup) -> Result<Simulation, Error> {
         plane::check(&setup)?;
         setup.check()?;

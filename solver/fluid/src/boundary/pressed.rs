@@ -5,9 +5,9 @@
 //! thinner than 2 rp what its density says: where plates at a distance h close with V, it must flow out with V / h, but
 //! its neighbours' part of the density would have to make up for all that the walls add. So
 //!
-//! - of a density above that at rest, what walls alone make of it gives no velocity ([`Pressed::by_neighbours`]), and in
-//!   a film, or where there is no way out, the rest of it doesn't either. A particle that has a way out is eased along
-//!   it;
+//! - of a density above that at rest, what walls alone make of it gives no velocity ([`Pressed::left_of_error`]), and
+//!   where there is no way out, the rest of it doesn't either; in a film little of it does. A particle that has a way
+//!   out is eased along it;
 //! - of a compression by walls that move together a pressure P takes only a part. It meets a compliance C,
 //!   ```text
 //!   source + A - C P <= 0,    C = C_narrow + C_film
@@ -116,14 +116,15 @@ impl Pressed {
         moving * (self.part(NARROW) * self.cancelled + self.film() * film)
     }
 
-    /// Density whose excess over that at rest makes a velocity: without what walls alone make of it.
-    pub fn by_neighbours(&self, density: f32) -> f32 {
-        density - self.excess.max(0.0)
-    }
-
-    /// The part of that excess that makes one.
-    pub fn part_of_error(&self) -> f32 {
-        if self.pinched { 0.0 } else { 1.0 - FILM_CALM * self.film() }
+    /// What makes a velocity of a density's error: of that without what walls alone make of it, and if that is above
+    /// rest, a part. `error` gives the source by a density.
+    pub fn left_of_error(&self, density: f32, error: impl Fn(f32) -> f32) -> f32 {
+        let by_neighbours = error(density - self.excess.max(0.0));
+        match by_neighbours > 0.0 {
+            true if self.pinched => 0.0,
+            true => (1.0 - FILM_CALM * self.film()) * by_neighbours,
+            false => by_neighbours,
+        }
     }
 }
 

@@ -354,8 +354,8 @@ impl<'a> WallPressure<'a> {
     /// Adds to the factors of a block's particles, the first of which is `first`, a bound of what the boundary's
     /// pressure does beyond `own`: to the particle itself, and to its neighbours. p_b has D^2 for each P, and where
     /// walls make most of a density that is so much that Jacobi's steps would be too long. An extrapolated pressure is
-    /// the neighbours' as well, so that only what is beyond the rest density's counts. Infinite where the boundary would
-    /// press a particle together the more the more pressure it has: no pressure is a solution there.
+    /// the neighbours' as well, so that only what is beyond the rest density's counts. Infinite where the boundary
+    /// would press a particle together the more the more pressure it has: no pressure is a solution there.
     pub fn add_bounds(
         &self,
         boundary: &Boundary,
