@@ -4,10 +4,10 @@
 //! ```text
 //! divergence solve -> accelerate (all explicit forces) -> v += dt a -> solve (all implicit forces) -> density solve
 //! ```
-//! A [`Force`] has settings, a limit on the time step, [channels](crate::channels) of the particles, and does one of
-//! two things: it adds accelerations, or it solves for new velocities. [`ForceSettings`] lists those that a scene can
-//! ask for by a table of their own, `[forces.NAME]`; a program can add others of its own by
-//! [`Setup::own_forces`](crate::setup::Setup::own_forces).
+//! With implicit viscosity, the last two take turns. A [`Force`] has settings, a limit on the time step,
+//! [channels](crate::channels) of the particles, and does one of two things: it adds accelerations, or it solves for
+//! new velocities. [`ForceSettings`] lists those that a scene can ask for by a table of their own, `[forces.NAME]`; a
+//! program can add others of its own by [`Setup::own_forces`](crate::setup::Setup::own_forces).
 
 pub mod damping;
 pub mod gravity;
@@ -66,7 +66,8 @@ pub trait Force: Send + Sync {
     }
 
     /// An implicit force: changes the velocities (m/s), which explicit forces have changed before; none if it has
-    /// nothing to solve.
+    /// nothing to solve. With implicit viscosity, pressures have changed them too, and it may be asked several times in
+    /// a step (`StepReport::passes`), each time anew.
     fn solve(
         &mut self,
         _step: &ForceStep,

@@ -57,8 +57,8 @@ impl Fields {
         self.iterate(solve, false)
     }
 
-    /// Solves for the pressures that keep the velocity from raising a density above that of rest; what is denser already
-    /// only gets no denser. From the pressures that are there; `accelerations` hold the answer.
+    /// Solves for the pressures that keep the velocity from raising a density above that of rest; what is denser
+    /// already only gets no denser. From the pressures that are there; `accelerations` hold the answer.
     pub(crate) fn hold_density(&mut self, solve: &Solve) -> SolveReport {
         let room = |density: f32| (density - 1.0).min(0.0);
         self.sources(solve, |density, rate, dt| (room(density) / (dt * dt) + rate / dt, true));

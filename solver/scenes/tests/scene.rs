@@ -215,6 +215,11 @@ fn values_out_of_range_are_named_and_placed() {
             "solver.viscosity.max_error: 0 is not positive",
         ),
         (
+            "[solver.time_step]\nmax = 2e-3",
+            "[solver.viscosity]\nmax_passes = 0",
+            "solver.viscosity.max_passes: 0 passes solve nothing; 1 solves for viscosity and density once each",
+        ),
+        (
             "max = 2e-3",
             "max = 2e-3\n[fluid]\nviscosity = 100",
             "viscosity_method = \"implicit\" takes longer ones",

@@ -47,8 +47,8 @@ pub(crate) const CHANGES: ChannelDeclaration =
 /// from it. The velocities' rounding, 6e-8, times it is left of the residual, which must come below 1e-3.
 const STIFF: f64 = 1e4;
 
-/// dt times that rate of viscosity is no larger: so much leaves neighbours a difference of 1e-8 of what would part them
-/// in a step, which their velocities can't hold. More would only take more iterations.
+/// dt times that rate of viscosity is taken for no larger: so much leaves neighbours 1e-6 of what would part them in a
+/// step. More takes more iterations than solves are allowed, and then far less is done.
 const RIGID: f64 = 1e6;
 
 /// Viscosity and drag as a solve.

@@ -1,6 +1,6 @@
 //! XSPH: Schechter and Bridson 2012, *Ghost SPH for Animating Water*. Velocities go a part of the way to those of
-//! their neighbours. The differences of velocities don't lie along the lines between particles, so that angular momentum
-//! isn't kept: what turns is slowed down. Along these lines only, it would be viscosity.
+//! their neighbours. The differences of velocities don't lie along the lines between particles, so that angular
+//! momentum isn't kept: what turns is slowed down. Along these lines only, it would be viscosity.
 
 use super::velocity_sums::add_sums;
 use super::{Force, ForceStep};

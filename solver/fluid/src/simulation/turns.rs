@@ -1,17 +1,17 @@
 //! Implicit viscosity and pressure in turns, until they agree. If each were solved for once, the viscous solve would
-//! see the weight of a stiff fluid without the pressure that carries it, and the density solve would carry it as that of
-//! a fluid without viscosity, which falls apart: a stiff block would sink by itself, and slide off a wall.
+//! see the weight of a stiff fluid without the pressure that carries it, and the density solve would carry it as that
+//! of a fluid without viscosity, which falls apart: a stiff block would sink by itself, and slide off a wall.
 //!
-//! After van Kan 1986, *A Second-Order Accurate Pressure-Correction Scheme for Viscous Incompressible Flow*: the viscous
-//! solve sees the accelerations by the pressures of the last step, or of the last pass, among this step's neighbours;
-//! the density solve goes on from these pressures.
+//! After van Kan 1986, *A Second-Order Accurate Pressure-Correction Scheme for Viscous Incompressible Flow*: the
+//! viscous solve sees the accelerations by the pressures of the last step, or of the last pass, among this step's
+//! neighbours; the density solve goes on from these pressures.
 //! ```text
 //! v* = viscous solve of v0 + dt a(p),   p' = density solve of v* - dt a(p), from p,   v = v* + dt (a(p') - a(p))
 //! ```
 //! again with p' for p, until the last term, which viscosity didn't see, is small.
 //!
-//! That density solve lets no density grow. A fluid that is too dense already is taken apart by changes of places alone:
-//! as velocities, they would be the whole block's, for viscosity spreads them, and nothing would end them.
+//! That density solve lets no density grow. A fluid that is too dense already is taken apart by changes of places
+//! alone: as velocities, they would be the whole block's, for viscosity spreads them, and nothing would end them.
 
 use super::{Goal, Simulation};
 use crate::coupling::Motions;

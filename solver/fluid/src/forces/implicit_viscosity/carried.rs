@@ -106,7 +106,7 @@ impl<'a> Carried<'a> {
         self.exchange(field, motions, |_| true)
     }
 
-    /// How much of what particles and bodies (`impulses`) exchange may be done, from 0 to 1: what takes the most energy.
+    /// How much of what particles and bodies (`impulses`) exchange is done, from 0 to 1: what takes the most energy.
     /// Done in part, an exchange takes
     /// ```text
     /// E(part) = part (m sum v0 . w - sum J . u0) - part^2 / 2 (m sum |w|^2 + sum J . R J)

@@ -1,6 +1,6 @@
 //! The same solve in double precision, for what is stiff. Velocities in single precision have a rounding of 6e-8, which
-//! viscosity of dt nu / r^2 = 1e6 takes for strains that it must stop by many times their size; and bends in fixed point
-//! don't lie on the line between their particles to 1e-5, so that such viscosity would stop what turns.
+//! a large viscosity takes for strains and answers by many times their size; and bends in fixed point don't lie on the
+//! line between their particles to 1e-5, so that it would stop what turns.
 //!
 //! Pairs have their bend in single precision, of the particles' places in double precision. When the solve ends, what
 //! is exchanged is computed once more of the velocities that were found: opposite forces, whose sum is zero to double
