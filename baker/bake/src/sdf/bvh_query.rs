@@ -1,6 +1,7 @@
 //! The closest triangle, by the tree: single precision rules triangles out, double precision decides.
 
 use glam::DVec3;
+use std::cell::RefCell;
 
 use crate::sdf::bvh::Bvh;
 use crate::sdf::closest_point::{Closest, Feature, TrianglePoint, closest_point_on_triangle};
@@ -15,11 +16,17 @@ const NOTHING: u32 = u32::MAX;
 const NOTHING_FOUND: Closest =
     Closest { distance_squared: f64::INFINITY, point: DVec3::NAN, triangle: NOTHING, feature: Feature::Face };
 
+thread_local! {
+    /// What a thread's searches of single points need room for.
+    static SEARCH: RefCell<Search> = RefCell::default();
+}
+
 impl Bvh {
     /// Point closest to `p`. `upper_bound` is a distance that is known not to be exceeded, such as
     /// a neighbour's distance plus the way from it, or infinity; one that is too small costs time only.
     pub fn closest(&self, p: DVec3, upper_bound: f64) -> Closest {
-        self.closest_to_each(&[p], &[upper_bound; LANES], &mut Search::default())[0]
+        // Its lists would be allocated anew each time.
+        SEARCH.with_borrow_mut(|search| self.closest_to_each(&[p], &[upper_bound; LANES], search)[0])
     }
 
     /// The points closest to each of up to [`LANES`] points, of which there must be at least one: `closest` of each,
@@ -90,7 +97,7 @@ impl Bvh {
     /// Takes the point of a triangle if none before was closer.
     #[inline]
     fn visit(&self, block: usize, place: usize, p: DVec3, best: &mut Closest) {
-        let corners = self.blocks[block].corners().map(|corner| corner.lane(place));
+        let corners = self.blocks[block].triangle(place);
         let triangle = self.ids[block][place];
         let TrianglePoint { distance_squared, point, feature } = closest_point_on_triangle(p, &corners);
         let closer = distance_squared < best.distance_squared;
@@ -107,7 +114,7 @@ impl Bvh {
         }
         if best.triangle == NOTHING {
             // Nothing is closer than infinity.
-            let corners = self.blocks[0].corners().map(|corner| corner.lane(0));
+            let corners = self.blocks[0].triangle(0);
             let TrianglePoint { distance_squared, point, feature } = closest_point_on_triangle(p, &corners);
             best = Closest { distance_squared, point, triangle: self.ids[0][0], feature };
         }

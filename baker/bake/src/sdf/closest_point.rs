@@ -116,6 +116,13 @@ impl TriangleBlock {
     pub fn corners(&self) -> &[Vec4; 3] {
         &self.corners
     }
+
+    /// The corners of one, read where they are: copies of all four would take longer than what is done with one.
+    #[inline]
+    pub fn triangle(&self, place: usize) -> [DVec3; 3] {
+        let [a, b, c] = &self.corners;
+        [a.lane(place), b.lane(place), c.lane(place)]
+    }
 }
 
 /// Four points or vectors of space.
@@ -142,7 +149,8 @@ impl Vec4 {
     }
 
     /// Vector i.
-    pub fn lane(self, i: usize) -> DVec3 {
+    #[inline]
+    pub fn lane(&self, i: usize) -> DVec3 {
         DVec3::new(self.x.as_array()[i], self.y.as_array()[i], self.z.as_array()[i])
     }
 

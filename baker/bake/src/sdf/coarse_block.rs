@@ -54,7 +54,7 @@ impl CoarseBlock {
     pub fn new(block: &TriangleBlock, count: usize, frame: &Frame) -> CoarseBlock {
         let mut out = CoarseBlock { triangles: Default::default(), count: count as u32, margin: 0.0 };
         for lane in 0..count {
-            let corners = block.corners().map(|corner| (corner.lane(lane) - frame.centre) * frame.scale);
+            let corners = block.triangle(lane).map(|corner| (corner - frame.centre) * frame.scale);
             let (triangle, margin) = coarse_triangle(corners);
             out.triangles[lane] = triangle;
             out.margin = out.margin.max(margin);

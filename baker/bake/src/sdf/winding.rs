@@ -36,7 +36,7 @@ pub fn solid_angle(p: DVec3, corners: &[DVec3; 3]) -> f64 {
 
 /// `solid_angle` of four triangles.
 fn solid_angles(p: Vec4, block: &TriangleBlock) -> f64x4 {
-    let [a, b, c] = block.corners().map(|corner| corner - p);
+    let [a, b, c] = block.corners().each_ref().map(|corner| *corner - p);
     let (la, lb, lc) = (a.dot(a).sqrt(), b.dot(b).sqrt(), c.dot(c).sqrt());
     let numerator = a.dot(b.cross(c));
     let denominator = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
@@ -315,7 +315,7 @@ fn quadratic_form(n: Vec4, corners: &[Vec4; 3], sum: Vec4) -> [f64x4; 10] {
 
 fn local_corners(block: &TriangleBlock, frame: &Frame) -> [Vec4; 3] {
     let (centre, scale) = (Vec4::splat(frame.centre), f64x4::splat(frame.scale));
-    block.corners().map(|corner| (corner - centre).scale(scale))
+    block.corners().each_ref().map(|corner| (*corner - centre).scale(scale))
 }
 
 fn area_vector(corners: &[Vec4; 3]) -> Vec4 {

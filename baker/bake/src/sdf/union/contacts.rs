@@ -147,7 +147,7 @@ impl Search<'_> {
     }
 
     fn triangle(&self, block: u32, lane: usize) -> Triangle {
-        let corners = self.bvh.blocks[block as usize].corners().map(|corner| corner.lane(lane));
-        Triangle { corners, number: self.bvh.ids[block as usize][lane] }
+        let block = block as usize;
+        Triangle { corners: self.bvh.blocks[block].triangle(lane), number: self.bvh.ids[block][lane] }
     }
 }
