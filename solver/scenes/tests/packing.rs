@@ -104,6 +104,30 @@ fn full_containers_of_every_method_stay_at_rest() {
     }
 }
 
+/// A block that fills a tank, with a method whose fluid rests farther from walls than rp: told, and spread at rest.
+#[test]
+fn blocks_too_near_to_walls_are_told_and_can_be_spread() {
+    let bake = Parameters { invert: Some(true), ..Parameters::default() };
+    let shape = Some(Primitive::Box { size: [16.0 * RP; 3] });
+    let tank = Body { shape, bake, ..Body::default() };
+    let speed = |packing: Packing| {
+        let [min, max] = [[-8.0 * RP; 3], [8.0 * RP; 3]];
+        let block = Block { min, max, velocity: [0.0; 3], packing };
+        let boundary = BoundaryMethod::DensityMap;
+        let mut plan = begun(&Scene { boundary, bodies: vec![tank.clone()], blocks: vec![block], ..scene() });
+        for _ in 0..50 {
+            plan.simulation.step().unwrap();
+        }
+        (volmap_fluid::observe::rms_speed(&plan.simulation), plan.notes)
+    };
+    let (fast, notes) = speed(Packing::Lattice);
+    // All but the inner 6^3 of 8^3.
+    assert!(notes.iter().any(|note| note.contains("296 particles begin nearer")), "{notes:?}");
+    let (calm, notes) = speed(Packing::Relaxed);
+    assert!(notes.is_empty(), "{notes:?}");
+    assert!(calm < 0.02 && fast > 10.0 * calm, "{calm} {fast}");
+}
+
 fn data(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data").join(name)
 }

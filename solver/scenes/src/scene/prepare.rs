@@ -125,6 +125,7 @@ fn prepare_from(scene: &Scene, library: Library) -> Result<Prepared, Error> {
     check_not_empty(scene, &particles, &emitters, &bodies)?;
     notes.extend(particles.counts.iter().filter_map(left_out));
     notes.extend(particles.counts.iter().filter_map(|count| left_empty(count, scene)));
+    notes.extend(particles.counts.iter().filter_map(|count| too_near(count, scene)));
     notes.extend(emitters.iter().enumerate().filter_map(|(i, emitter)| blocked(i, emitter, &posed, scene)));
     notes.extend(overlapping(scene, &emitters));
     Ok(Prepared { bodies, particles, relaxed, emitters, files, notes })
@@ -359,6 +360,20 @@ fn left_empty(count: &SourceCount, scene: &Scene) -> Option<String> {
              which water and bodies fall at first; {cure}",
             count.key,
             thousands(particles)
+        )
+    })
+}
+
+/// Particles that begin where the boundary method doesn't let them rest.
+fn too_near(count: &SourceCount, scene: &Scene) -> Option<String> {
+    let rests = scene.world().resting_distance(scene.solver.boundary_pressure) / scene.particle_radius;
+    (count.too_near > 0).then(|| {
+        format!(
+            "{}: {} particles begin nearer to bodies than fluid rests from them with this boundary method, {} particle \
+             radii, and are pushed away; leave so much room (fills do), or set packing = \"relaxed\"",
+            count.key,
+            thousands(count.too_near),
+            significant(rests, 3)
         )
     })
 }

@@ -46,6 +46,8 @@ pub struct SourceCount {
     pub duplicates: u64,
     /// Left out: out of the domain.
     pub outside: u64,
+    /// Nearer to bodies than fluid rests from them by the scene's boundary method, if that is farther than rp.
+    pub too_near: u64,
     /// Volume of its box or solid without bodies, m^3.
     pub space: f64,
     /// Whether its particles are spread, as many as its space holds.
@@ -72,8 +74,11 @@ pub fn fill(scene: &Scene, solids: &[Solid], bodies: &[PosedMap]) -> Result<Plac
             make_count(points, source.space, holds.round() as usize);
         }
         let space = Space { gap: 0.0, ..source.space }.volume();
+        let too_near = if is_relaxed { 0 } else { too_near(points, source.space) };
         let key = source.key.clone();
-        counts.push(SourceCount { key, outside, in_bodies, space, is_relaxed, ..SourceCount::default() });
+        let count =
+            SourceCount { key, outside, in_bodies, space, is_relaxed, too_near, ..Default::default() };
+        counts.push(count);
     }
     check_total(&sources)?;
     let boxes: Vec<_> = sources.iter().map(|source| bounds(&source.points)).collect();
@@ -224,6 +229,17 @@ fn with_room(points: impl Iterator<Item = DVec3>, fill: &Fill, solid: &Solid, sp
         drop_in_bodies(&mut out, space.bodies, rp * (1.0 - MAP_SLACK) + space.gap);
     }
     out
+}
+
+/// How many points are nearer to bodies than the fluid rests from them, if that is farther than rp.
+fn too_near(points: &[DVec3], space: Space) -> u64 {
+    match space.gap > 0.0 {
+        true => {
+            let margin = space.rp * (1.0 - MAP_SLACK) + space.gap;
+            drop_in_bodies(&mut points.to_vec(), space.bodies, margin)
+        }
+        false => 0,
+    }
 }
 
 /// Whether a particle fits into the space that is filled; `distance` is the map's.
