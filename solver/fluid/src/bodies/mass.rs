@@ -12,6 +12,9 @@ use volmap_runtime::{DQuat, DVec3, Values, VolumeMap};
 /// Points along each edge of a cell that the surface may cross.
 const SUBCELLS: u32 = 4;
 
+/// A volume below this part of the map's domain is rounding, as that of a sheet.
+const NOTHING: f64 = 1e-12;
+
 /// How heavy a body is, and where; in the map's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mass {
@@ -106,7 +109,10 @@ impl Mass {
     pub fn of_map(map: &VolumeMap, density: f64) -> Mass {
         let surface = iso_surface(map, 0.0, None, &Default::default()).ok().filter(|surface| !surface.is_cut);
         let mesh = surface.map(|IsoSurface { vertices, triangles, .. }| TriangleMesh { vertices, triangles });
-        mesh.and_then(|mesh| Mass::of_mesh(&mesh, density)).unwrap_or_else(|| Mass::of_cells(map, density))
+        let domain = (map.grid().max_corner() - map.grid().origin).element_product();
+        mesh.and_then(|mesh| Mass::of_mesh(&mesh, density))
+            .filter(|mass| mass.volume > NOTHING * domain)
+            .unwrap_or_else(|| Mass::of_cells(map, density))
     }
 
     /// From the distances at parts of a map's cells. A surface cuts such a part on average as if it were
