@@ -14,8 +14,8 @@ use volmap_fluid::forces::viscosity::viscous_weights;
 use volmap_fluid::lattice::fill_box;
 use volmap_fluid::particles::Particles;
 use volmap_fluid::settings::{
-    BoundaryMethod, BoundaryPressure, FluidSettings, SolveSettings, SolverSettings, TimeStepSettings,
-    ViscosityMethod, World,
+    BoundaryMethod, BoundaryPressure, FluidSettings, MOST_RELAXATION, SolveSettings, SolverSettings,
+    TimeStepSettings, ViscosityMethod, World,
 };
 use volmap_fluid::setup::Setup;
 use volmap_fluid::shapes::{Shape, ball, cuboid};
@@ -287,7 +287,7 @@ fn solver(dice: &mut Dice, fluid: &FluidSettings, world: &World) -> SolverSettin
         solver.divergence.min_iterations = 1;
     }
     if dice.chance(0.3) {
-        solver.relaxation = dice.within(0.1, 0.8);
+        solver.relaxation = dice.within(0.1, MOST_RELAXATION);
         solver.warm_start = dice.within(0.0, 0.8);
     }
     if dice.chance(0.3) {
