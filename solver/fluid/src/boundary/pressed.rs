@@ -53,7 +53,7 @@ pub struct Pressed {
     closing: f32,
     /// Gradient of the walls' density, 1/m.
     pub gradient: [f32; 3],
-    /// Whether no way of some [`REACH`] out of the walls leaves it less than the rest density.
+    /// Whether no way of half a support radius out of the walls leaves it less than the rest density.
     pub pinched: bool,
     /// Of the body that is summed up.
     body: u32,

@@ -13,10 +13,10 @@
 //! Kept at any tolerance, and where a solve ends by its iterations: momentum, angular momentum, and energy, which never
 //! grows. What is left of the residual when a solve ends is added to the velocities, which makes them v0 - w, w what
 //! particles and bodies exchange: opposite forces along the lines between them, to the rounding of
-//! [bends](crate::pairs). If w would add energy, the part of it is done that takes the most ([`Carried::part`]); the
+//! [bends](crate::pairs). If w would add energy, the part of it is done that takes the most (`Carried::part`); the
 //! rest stays undone, and the error tells.
 //!
-//! What is too stiff for single precision is solved for in double precision ([`stiff`]).
+//! What is too stiff for single precision is solved for in double precision (`stiff.rs`).
 
 mod carried;
 mod stiff;

@@ -276,19 +276,18 @@ fn solver(dice: &mut Dice, fluid: &FluidSettings, world: &World) -> SolverSettin
     let boundary_pressure = if own { BoundaryPressure::Own } else { dice.pick(&PRESSURES) };
     let mut solver = SolverSettings { boundary_pressure, ..SolverSettings::default() };
     if dice.chance(0.4) {
-        let mut solve = |min_iterations: u32| SolveSettings {
+        solver.density = SolveSettings {
             enabled: true,
             max_error: dice.scale(1e-5, 1e-2),
-            min_iterations,
+            min_iterations: 2,
             max_iterations: 2 + dice.below(150) as u32,
         };
-        solver.density = solve(2);
         solver.divergence = SolveSettings { enabled: dice.chance(0.8), ..solver.density.clone() };
         solver.divergence.min_iterations = 1;
     }
     if dice.chance(0.3) {
         solver.relaxation = dice.within(0.1, MOST_RELAXATION);
-        solver.warm_start = dice.within(0.0, 0.8);
+        solver.warm_start = dice.within(0.0, 1.0);
     }
     if dice.chance(0.3) {
         solver.viscosity.max_error = dice.scale(1e-7, 0.5);
