@@ -201,6 +201,16 @@ impl Bodies {
         self.response(body, force + weight, torque)
     }
 
+    /// Kinetic energy (J) that a body has after `dt` seconds of gravity and all that was applied since the last step; 0
+    /// if it isn't free.
+    pub(crate) fn energy_after(&self, body: usize, dt: f64) -> f64 {
+        let Some(mass) = &self.bodies[body].mass else { return 0.0 };
+        let (now, [linear, angular]) = (&self.velocities[body], self.acceleration(body));
+        let (linear, angular) = (now.linear + dt * linear, now.angular + dt * angular);
+        let spin = mass.angular_momentum(self.posed[body].pose.rotation, angular);
+        0.5 * (mass.mass * linear.length_squared() + angular.dot(spin))
+    }
+
     /// A body as it is now.
     pub fn state(&self, body: usize) -> BodyState {
         let velocity = &self.velocities[body];

@@ -207,13 +207,12 @@ impl Simulation {
         let compression = Compression::of(&self.fields.densities, &self.particles.positions);
         let pinched = Pinched::of(&self.boundary, &self.particles.positions);
         let divergence = self.correct_divergence_error(dt);
-        let Turns { passes, viscosity, density } = match self.is_in_turns(dt) {
+        let Turns { passes, viscosity, density, .. } = match self.is_in_turns(dt) {
             true => self.solve_in_turns(dt),
-            false => Turns {
-                passes: 1,
-                viscosity: self.add_non_pressure(dt),
-                density: self.correct_density_error(dt),
-            },
+            false => {
+                let viscosity = self.add_non_pressure(dt);
+                Turns { passes: 1, viscosity, density: self.correct_density_error(dt), ..Turns::default() }
+            }
         };
         self.advance(dt);
         let removed = strays::remove_outside(&mut self.particles, &mut self.fields.densities, self.domain);

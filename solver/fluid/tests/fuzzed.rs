@@ -10,11 +10,24 @@ mod run;
 #[path = "fuzz/scene.rs"]
 mod scene;
 
-use rayon::prelude::*;
 use std::ops::Range;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
 
+/// In threads of their own: those of the pool bake maps, for which scenes wait.
 fn check(seeds: Range<u64>) {
-    let faults: Vec<String> = seeds.into_par_iter().flat_map_iter(run::faults).collect();
+    let (next, faults) = (AtomicU64::new(seeds.start), Mutex::new(Vec::new()));
+    let work = || {
+        while let Some(seed) = Some(next.fetch_add(1, Ordering::Relaxed)).filter(|seed| *seed < seeds.end) {
+            faults.lock().unwrap().extend(run::faults(seed));
+        }
+    };
+    std::thread::scope(|scope| {
+        for _ in 0..std::thread::available_parallelism().map_or(1, usize::from) {
+            scope.spawn(work);
+        }
+    });
+    let faults = faults.into_inner().unwrap();
     assert!(faults.is_empty(), "{} faults:\n{}", faults.len(), faults.join("\n"));
 }
 
