@@ -154,7 +154,7 @@ impl Boundary {
         // The volumes of boundary particles follow from the kernel's sum among themselves.
         let is_of_maps = !matches!(method, Method::Particles(..));
         let per_rest_sum = if is_of_maps { 1.0 / world.rest_sum(fluid) } else { 1.0 };
-        let volume = fluid.volume_factor * world.particle_cube();
+        let volume = world.particle_volume(fluid);
         let own_density = (volume * kernel.value(0.0) / world.rest_sum(fluid)) as f32;
         Ok(Boundary {
             of_particle: Vec::new(),

@@ -1,5 +1,6 @@
 //! What the sums over neighbours are made with.
 
+use crate::settings::{FluidSettings, World};
 use volmap_runtime::{Dimension, KernelKind};
 
 /// Kernel and volume of the sums over neighbours.
@@ -19,4 +20,18 @@ pub struct Discretization {
     pub gradient_scale: f64,
     /// In how many dimensions: of the Laplacian.
     pub dimension: Dimension,
+}
+
+impl Discretization {
+    /// That of a fluid.
+    pub fn new(world: &World, fluid: &FluidSettings) -> Discretization {
+        Discretization {
+            kernel: world.kernel,
+            support_radius: world.support_radius,
+            volume: world.particle_volume(fluid) * world.volume_in_sums(),
+            rest_sum: world.rest_sum(fluid),
+            gradient_scale: world.gradient_scale(fluid),
+            dimension: world.dimension,
+        }
+    }
 }

@@ -101,7 +101,7 @@ impl Emitter {
     pub fn emit(&mut self, time: f64, room: impl Fn(&[DVec3]) -> Room) -> Vec<DVec3> {
         let mut out = Vec::new();
         if self.due(self.state.layers) > time {
-            self.leave(self.state.layers.wrapping_sub(1), DVec3::ZERO, &room, &mut out);
+            self.leave(DVec3::ZERO, &room, &mut out);
         }
         while self.due(self.state.layers) <= time {
             // Its place belongs to the next one now.
@@ -113,25 +113,24 @@ impl Emitter {
             let travelled = (time - start) * speed - self.state.layers as f64 * spacing;
             self.state.waiting = (0..self.next().len() as u32).collect();
             self.state.layers += 1;
-            self.leave(self.state.layers - 1, travelled.max(0.0) * direction, &room, &mut out);
+            self.leave(travelled.max(0.0) * direction, &room, &mut out);
         }
         out
     }
 
     /// Places in the nozzle whose particles wait for room, metres.
     pub fn waiting(&self) -> Vec<DVec3> {
-        let layer = self.layer(self.state.layers.wrapping_sub(1));
+        let layer = self.last(self.state.layers);
         self.state.waiting.iter().map(|&n| layer[n as usize]).collect()
     }
 
-    /// Adds to `out` those that wait in a layer for which there is room, moved from their places in the nozzle.
-    fn leave(&mut self, layer: u64, moved: DVec3, room: impl Fn(&[DVec3]) -> Room, out: &mut Vec<DVec3>) {
+    /// Adds to `out` those that wait for which there is room, moved from their places in the nozzle.
+    fn leave(&mut self, moved: DVec3, room: impl Fn(&[DVec3]) -> Room, out: &mut Vec<DVec3>) {
         if self.state.waiting.is_empty() {
             return;
         }
+        let places: Vec<DVec3> = self.waiting().into_iter().map(|place| place + moved).collect();
         let waiting = std::mem::take(&mut self.state.waiting);
-        let layer = self.layer(layer);
-        let places: Vec<DVec3> = waiting.iter().map(|&n| layer[n as usize] + moved).collect();
         let (mut room, mut still) = (room(&places), Vec::new());
         for (&n, &place) in waiting.iter().zip(&places) {
             if room.take(place) {
@@ -153,9 +152,14 @@ impl Emitter {
         self.jet.layers.get((number % count) as usize).map_or(&[], Vec::as_slice)
     }
 
+    /// The last of so many layers.
+    fn last(&self, layers: u64) -> &[DVec3] {
+        self.layer(layers.wrapping_sub(1))
+    }
+
     /// Whether a state can be one of this emitter.
     pub(crate) fn can_be_in(&self, state: &EmitterState) -> bool {
-        let layer = self.layer(state.layers.wrapping_sub(1));
+        let layer = self.last(state.layers);
         state.waiting.iter().all(|&n| (n as usize) < layer.len())
     }
 

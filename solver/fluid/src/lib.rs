@@ -42,6 +42,7 @@ pub mod cells;
 pub mod channels;
 pub mod compression;
 pub mod coupling;
+pub mod cubes;
 pub mod discretization;
 pub mod emitter;
 pub mod error;

@@ -195,12 +195,7 @@ impl Simulation {
 
     /// Removes the particles of some names.
     fn remove(&mut self, is_one: impl Fn(u32) -> bool) {
-        let all = 0..self.particles.len() as u32;
-        let order: Vec<u32> = all.filter(|&n| !is_one(self.particles.ids[n as usize])).collect();
-        if order.len() < self.particles.len() {
-            let densities = order.iter().map(|&n| self.densities()[n as usize]).collect();
-            self.particles.reorder(&order, &mut Particles::default());
-            self.set_densities(densities);
-        }
+        let densities = &mut self.fields.densities;
+        self.particles.retain(densities, |particles, n| !is_one(particles.ids[n]));
     }
 }

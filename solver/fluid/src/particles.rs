@@ -58,6 +58,22 @@ impl Particles {
         self.positions.capacity() * (own + self.channels.bytes_of_particle())
     }
 
+    /// Keeps the particles for which `is_kept` says so of their numbers, with their densities; how many are removed.
+    pub(crate) fn retain(
+        &mut self,
+        densities: &mut Vec<f32>,
+        is_kept: impl Fn(&Particles, usize) -> bool,
+    ) -> usize {
+        let count = self.len();
+        if (0..count).all(|n| is_kept(self, n)) {
+            return 0;
+        }
+        let kept: Vec<u32> = (0..count).filter(|&n| is_kept(self, n)).map(|n| n as u32).collect();
+        self.reorder(&kept, &mut Particles::default());
+        *densities = kept.iter().map(|&old| densities[old as usize]).collect();
+        count - kept.len()
+    }
+
     /// Puts the particles into a new order, which may leave some out: old indices. `spare` is room, which becomes
     /// what was.
     pub fn reorder(&mut self, order: &[u32], spare: &mut Particles) {

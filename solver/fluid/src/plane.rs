@@ -7,7 +7,7 @@
 
 use crate::bodies::{Bodies, FluidContact};
 use crate::error::Error;
-use crate::settings::{BoundaryMethod, World};
+use crate::settings::{BoundaryMethod, FluidSettings, World};
 use crate::setup::Setup;
 use volmap_runtime::{ClosureKind, Dimension, Kernel};
 
@@ -23,6 +23,11 @@ impl World {
     /// (2 rp)^d, m^d.
     pub fn particle_cube(&self) -> f64 {
         (2.0 * self.particle_radius).powi(self.dimension.count() as i32)
+    }
+
+    /// Volume V of a particle, m^3; in two dimensions area, m^2.
+    pub fn particle_volume(&self, fluid: &FluidSettings) -> f64 {
+        fluid.volume_factor * self.particle_cube()
     }
 
     /// From a particle's m^d to the m^3 that sums with kernels in space weigh it by.

@@ -3,9 +3,9 @@
 //! full adds nothing.
 
 use crate::bodies::Bodies;
+use crate::cubes::Cubes;
 use crate::particles::Particles;
-use glam::IVec3;
-use std::collections::HashMap;
+use crate::strays::is_within;
 use volmap_runtime::{DVec3, PosedMap};
 
 /// Nearer to a particle than this part of a spacing there is no room, nor nearer to a body than that part. Fluid at
@@ -21,14 +21,20 @@ const SLACK: f64 = 1e-6;
 pub const FULL: f64 = 0.01;
 
 /// Particles and bodies near some places. By default there are none, and there is room everywhere.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Room {
     spacing: f64,
-    /// Particles by cubes of the spacing: where they are, and whether the fluid is compressed there.
-    cubes: HashMap<IVec3, Vec<(DVec3, bool)>>,
+    /// Particles by cubes of the spacing, and whether the fluid is compressed there.
+    particles: Cubes<bool>,
     /// Places between particles that were taken.
     taken: Vec<DVec3>,
     bodies: Vec<PosedMap>,
+}
+
+impl Default for Room {
+    fn default() -> Room {
+        Room { spacing: 0.0, particles: Cubes::new(1.0), taken: Vec::new(), bodies: Vec::new() }
+    }
 }
 
 impl Room {
@@ -41,17 +47,12 @@ impl Room {
         bodies: &Bodies,
         spacing: f64,
     ) -> Room {
-        let low = places.iter().fold(DVec3::INFINITY, |low, &x| low.min(x)) - spacing;
-        let high = places.iter().fold(DVec3::NEG_INFINITY, |high, &x| high.max(x)) + spacing;
-        let mut room = Room { spacing, bodies: bodies.posed().to_vec(), ..Room::default() };
-        for (i, &x) in positions.iter().enumerate() {
-            if x.cmpge(low).all() && x.cmple(high).all() {
-                let density = densities.get(i).map_or(1.0, |&density| f64::from(density));
-                let particle = (x, density > 1.0 + FULL);
-                room.cubes.entry(room.cube(x)).or_default().push(particle);
-            }
+        let (near, mut particles) = (around(places, spacing), Cubes::new(spacing));
+        for (i, &x) in positions.iter().enumerate().filter(|(_, x)| is_within(**x, near)) {
+            let density = densities.get(i).map_or(1.0, |&density| f64::from(density));
+            particles.add(x, density > 1.0 + FULL);
         }
-        room
+        Room { spacing, particles, taken: Vec::new(), bodies: bodies.posed().to_vec() }
     }
 
     /// Takes a place, metres, if a particle can be put there.
@@ -60,10 +61,8 @@ impl Room {
         if self.bodies.iter().any(in_body) {
             return false;
         }
-        let cube = self.cube(place);
-        let around = (0..27).map(|i| IVec3::new(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1));
-        let all = around.filter_map(|step| self.cubes.get(&cube.saturating_add(step))).flatten();
         let far = self.spacing * (1.0 - SLACK);
+        let all = self.particles.around(place);
         let mut near = all.filter(|(x, _)| x.distance(place) < far).peekable();
         if near.peek().is_none() {
             return true;
@@ -75,22 +74,22 @@ impl Room {
         }
         fits
     }
+}
 
-    fn cube(&self, x: DVec3) -> IVec3 {
-        (x / self.spacing).floor().as_ivec3()
-    }
+/// The box of places, wider by a spacing.
+fn around(places: &[DVec3], spacing: f64) -> [DVec3; 2] {
+    let low = places.iter().fold(DVec3::INFINITY, |low, &x| low.min(x));
+    let high = places.iter().fold(DVec3::NEG_INFINITY, |high, &x| high.max(x));
+    [low - spacing, high + spacing]
 }
 
 /// Gives fluid in the mouth of a nozzle, nearer than a spacing to one of these places (metres), at least the velocity
 /// of the flow (m/s) along it: a pump pushes out what lies in its mouth. So there is room after a while, if what lies
 /// there can go.
 pub fn clear(places: &[DVec3], flow: DVec3, particles: &mut Particles, spacing: f64) {
-    let low = places.iter().fold(DVec3::INFINITY, |low, &x| low.min(x)) - spacing;
-    let high = places.iter().fold(DVec3::NEG_INFINITY, |high, &x| high.max(x)) + spacing;
-    let direction = flow.normalize_or_zero();
+    let (near, direction) = (around(places, spacing), flow.normalize_or_zero());
     for (x, velocity) in particles.positions.iter().zip(&mut particles.velocities) {
-        let is_near = x.cmpge(low).all() && x.cmple(high).all();
-        if is_near && places.iter().any(|place| place.distance(*x) < spacing) {
+        if is_within(*x, near) && places.iter().any(|place| place.distance(*x) < spacing) {
             let own = DVec3::from_array(velocity.map(f64::from));
             let missing = (flow - own).dot(direction).max(0.0);
             *velocity = (own + missing * direction).as_vec3().to_array();

@@ -57,14 +57,11 @@ pub struct Simulation {
     spare: Particles,
     neighbours: Neighbours,
     boundary: Boundary,
-    /// See [`World::rest_sum`].
-    rest_sum: f64,
-    /// See [`World::gradient_scale`].
-    gradient_scale: f64,
+    discretization: Discretization,
     /// See [`World::jacobi_relaxation`].
     relaxation: f64,
     extrapolation: Extrapolation,
-    fields: Fields,
+    pub(crate) fields: Fields,
     forces: Forces,
     stages: Stages,
 }
@@ -144,8 +141,7 @@ impl Simulation {
         let boundary = Boundary::new(&world, &fluid, &bodies)?;
         Ok(Simulation {
             domain,
-            rest_sum: world.rest_sum(&fluid),
-            gradient_scale: world.gradient_scale(&fluid),
+            discretization: Discretization::new(&world, &fluid),
             relaxation: world.jacobi_relaxation(&fluid, solver.relaxation),
             world,
             fluid,
@@ -290,7 +286,7 @@ impl Simulation {
         self.fields.place(&self.particles, self.world.support_radius);
         self.stages.end(|stages| &mut stages.sort);
         let bends = self.forces.iter().any(Force::needs_bends);
-        let sought = Sought { with: self.discretization(), bends };
+        let sought = Sought { with: self.discretization, bends };
         let Fields { places, neighbourhoods, .. } = &mut self.fields;
         let found = self.neighbours.find(&self.cells, places, sought, neighbourhoods);
         found.map_err(|dense| self.too_dense(dense))?;
@@ -316,7 +312,7 @@ impl Simulation {
             cells: &self.cells,
             positions: &self.particles.positions,
             densities: &self.fields.densities,
-            with: self.discretization(),
+            with: self.discretization,
             gravity: self.world.gravity,
         };
         self.extrapolation.find(self.solver.boundary_pressure, &mut self.boundary, fluid);
@@ -351,7 +347,7 @@ impl Simulation {
 
     /// Forces, what they see of a step, and what they change.
     fn with_forces<T>(&mut self, dt: f64, work: impl FnOnce(&mut Forces, &ForceStep, Changed) -> T) -> T {
-        let with = self.discretization();
+        let with = self.discretization;
         let particle_mass = self.particle_mass();
         let Particles { positions, channels, .. } = &mut self.particles;
         let Fields { places, densities, velocities, accelerations, .. } = &mut self.fields;
@@ -413,7 +409,7 @@ impl Simulation {
         let after_gravity = goal == Goal::Density;
         let kind = self.solver.boundary_pressure;
         Solve {
-            with: self.discretization(),
+            with: self.discretization,
             neighbours: &self.neighbours,
             boundary: &self.boundary,
             response: Response::new(&self.bodies, &self.boundary, self.particle_mass(), after_gravity),
@@ -467,20 +463,9 @@ impl Simulation {
         if fluid.is_nan() { f64::NAN } else { f64::from(fluid.sqrt()).max(self.body_speed) }
     }
 
-    fn discretization(&self) -> Discretization {
-        Discretization {
-            kernel: self.world.kernel,
-            support_radius: self.world.support_radius,
-            volume: self.particle_volume() * self.world.volume_in_sums(),
-            rest_sum: self.rest_sum,
-            gradient_scale: self.gradient_scale,
-            dimension: self.world.dimension,
-        }
-    }
-
     /// Volume V of a particle, m^3; in two dimensions area, m^2.
     pub fn particle_volume(&self) -> f64 {
-        self.fluid.volume_factor * self.world.particle_cube()
+        self.world.particle_volume(&self.fluid)
     }
 
     /// Mass of a particle, kg; in two dimensions kg/m.
@@ -566,10 +551,6 @@ impl Simulation {
 
     pub(crate) fn is_in_domain(&self, x: DVec3) -> bool {
         strays::is_within(x, self.domain)
-    }
-
-    pub(crate) fn set_densities(&mut self, densities: Vec<f32>) {
-        self.fields.densities = densities;
     }
 
     /// Bytes held by particles and lists.

@@ -66,7 +66,7 @@ impl Simulation {
             emitter.state = state;
         }
         self.particles = particles;
-        self.set_densities(densities);
+        self.fields.densities = densities;
         (self.time, self.step, self.body_speed) = (time, step, body_speed);
         Ok(())
     }

@@ -17,6 +17,9 @@ const BEYOND: f64 = 0.5;
 /// How far the way out is looked for, in support radii, and in which steps.
 const LONGEST_RAY: u32 = 64;
 const RAY_STEP: f64 = 1.0;
+/// In a step a pressed particle is eased by so much of the density, and so far, in its radii, at most.
+const MOST_EASED: f64 = 0.01;
+const LONGEST_EASED: f64 = 0.02;
 
 /// Particles of a kind, bodies that take their momentum, and a step.
 pub struct Strays<'a> {
@@ -77,14 +80,14 @@ impl Strays<'_> {
     }
 }
 
-/// Moves particles that walls press towards where they press them less, at the end of a step: by 1 % of the density at
-/// most. Velocities are left, so that nothing gains energy.
+/// Moves particles that walls press towards where they press them less, at the end of a step. Velocities are left, so
+/// that nothing gains energy.
 pub fn ease<'a>(particles: &mut Particles, pressed: impl Iterator<Item = &'a Pressed>, rp: f64) {
     for pressed in pressed.filter(|pressed| pressed.excess > 0.0 && !pressed.pinched) {
         let gradient = DVec3::from_array(pressed.gradient.map(f64::from));
         let square = gradient.length_squared();
         if square > 0.0 {
-            let length = (f64::from(pressed.excess).min(0.01) / square.sqrt()).min(0.02 * rp);
+            let length = (f64::from(pressed.excess).min(MOST_EASED) / square.sqrt()).min(LONGEST_EASED * rp);
             particles.positions[pressed.particle as usize] -= length / square.sqrt() * gradient;
         }
     }
@@ -118,13 +121,5 @@ pub fn is_within(x: DVec3, [min, max]: [DVec3; 2]) -> bool {
 
 /// Removes the particles out of a box, and their densities; how many there were.
 pub fn remove_outside(particles: &mut Particles, densities: &mut Vec<f32>, domain: [DVec3; 2]) -> usize {
-    let within = |x: &DVec3| is_within(*x, domain);
-    if particles.positions.iter().all(within) {
-        return 0;
-    }
-    let count = particles.len();
-    let kept: Vec<u32> = (0..count).filter(|&i| within(&particles.positions[i])).map(|i| i as u32).collect();
-    particles.reorder(&kept, &mut Particles::default());
-    *densities = kept.iter().map(|&old| densities[old as usize]).collect();
-    count - kept.len()
+    particles.retain(densities, |particles, n| is_within(particles.positions[n], domain))
 }

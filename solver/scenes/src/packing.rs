@@ -1,16 +1,18 @@
 //! Relaxed sources: their particles are spread and settle before time 0, by the scene's own method among its bodies.
 
 use crate::error::Error;
-use crate::scene::walls::{Relaxed, Wall};
+use crate::scene::walls::Relaxed;
 use crate::scene::{PreparedBody, Scene};
 use std::ops::Range;
+use std::sync::Arc;
 use volmap_bake::watch::Watch;
 use volmap_fluid::bodies::{BodyDescription, ContactMaterial, FluidContact, Motion};
 use volmap_fluid::compression::COMPRESSED;
 use volmap_fluid::packing::{Packed, Packing, settle, spread};
 use volmap_fluid::simulation::Simulation;
+use volmap_formats::mesh::TriangleMesh;
 use volmap_formats::text::{number, percent, thousands};
-use volmap_runtime::DVec3;
+use volmap_runtime::{DVec3, Pose, VolumeMap};
 
 /// Spreads the particles of the relaxed sources of a simulation at time 0, each between its walls and the bodies, and
 /// lets them settle together. What the user should know of it.
@@ -26,12 +28,13 @@ pub fn pack(
 ) -> Result<Vec<String>, Error> {
     let world = scene.world();
     let packing = Packing { world: &world, fluid: &scene.fluid, solver: &scene.solver, watch };
+    let held = |body: &PreparedBody| still(&body.name, &body.map, &body.surface.mesh, body.pose);
     let held: Vec<BodyDescription> = bodies.iter().map(held).collect();
     let mut notes = Vec::new();
     let mut parts = Vec::new();
     for source in relaxed {
         let mut all = held.clone();
-        all.extend(source.walls.iter().map(wall));
+        all.extend(source.walls.iter().map(|wall| still("wall", &wall.map, &wall.mesh, wall.pose)));
         let found = spread(packing, all, &positions(simulation, &source.particles))?;
         notes.extend(too_dense(source, &found));
         parts.push(found);
@@ -75,25 +78,13 @@ fn too_dense(source: &Relaxed, packed: &Packed) -> Option<String> {
     })
 }
 
-/// A body where it begins.
-fn held(body: &PreparedBody) -> BodyDescription {
+/// What stands still, of a surface that is known by a mesh, a map or both.
+fn still(name: &str, map: &Arc<VolumeMap>, mesh: &Option<Arc<TriangleMesh>>, pose: Pose) -> BodyDescription {
     BodyDescription {
-        name: body.name.clone(),
-        map: body.map.clone(),
-        mesh: body.surface.mesh.clone(),
-        pose: body.pose,
-        motion: Motion::Static,
-        material: ContactMaterial::default(),
-        fluid_contact: FluidContact::default(),
-    }
-}
-
-fn wall(wall: &Wall) -> BodyDescription {
-    BodyDescription {
-        name: "wall".into(),
-        map: wall.map.clone(),
-        mesh: wall.mesh.clone(),
-        pose: wall.pose,
+        name: name.into(),
+        map: map.clone(),
+        mesh: mesh.clone(),
+        pose,
         motion: Motion::Static,
         material: ContactMaterial::default(),
         fluid_contact: FluidContact::default(),

@@ -2,9 +2,10 @@
 //! taken away next to the walls. They are spread afterwards, so it is the number that counts.
 
 use super::space::Space;
-use glam::{DVec3, IVec3};
+use glam::DVec3;
 use std::cmp::Ordering;
-use std::collections::{BinaryHeap, HashMap};
+use std::collections::BinaryHeap;
+use volmap_fluid::cubes::Cubes;
 
 /// Places that are looked at are so far apart, and so deep in the space, in rp: deeper a lattice has no gaps.
 const STEP: f64 = 1.0;
@@ -32,21 +33,21 @@ fn remove(points: &mut Vec<DVec3>, space: Space, excess: usize) {
 
 /// Adds points, each where the next one is farthest.
 fn add(points: &mut Vec<DVec3>, space: Space, missing: usize) {
-    let mut taken = Taken::new(2.0 * space.rp);
-    points.iter().for_each(|&point| taken.add(point));
+    let mut taken = Cubes::new(2.0 * space.rp);
+    points.iter().for_each(|&point| taken.add(point, ()));
     let places = candidates(space);
     let mut heap: BinaryHeap<Candidate> =
-        (0..places.len()).map(|n| Candidate { distance: taken.nearest(places[n]), n }).collect();
+        (0..places.len()).map(|n| Candidate { distance: nearest(&taken, places[n]), n }).collect();
     let mut left = missing;
     while left > 0 {
         let Some(best) = heap.pop() else { return };
         // What was added since may be nearer.
-        let distance = taken.nearest(places[best.n]);
+        let distance = nearest(&taken, places[best.n]);
         if distance < best.distance {
             heap.push(Candidate { distance, ..best });
             continue;
         }
-        taken.add(places[best.n]);
+        taken.add(places[best.n], ());
         points.push(places[best.n]);
         left -= 1;
     }
@@ -96,28 +97,9 @@ impl PartialEq for Candidate {
 
 impl Eq for Candidate {}
 
-/// Points by cubes.
-struct Taken {
-    edge: f64,
-    cubes: HashMap<IVec3, Vec<DVec3>>,
-}
-
-impl Taken {
-    fn new(edge: f64) -> Taken {
-        Taken { edge, cubes: HashMap::new() }
-    }
-
-    fn add(&mut self, point: DVec3) {
-        self.cubes.entry((point / self.edge).floor().as_ivec3()).or_default().push(point);
-    }
-
-    /// Distance of the nearest point, at most the cubes' edge.
-    fn nearest(&self, point: DVec3) -> f64 {
-        let cube = (point / self.edge).floor().as_ivec3();
-        let around = (0..27).map(|i| IVec3::new(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1));
-        let near = around.filter_map(|step| self.cubes.get(&cube.saturating_add(step))).flatten();
-        near.map(|other| other.distance(point)).fold(self.edge, f64::min)
-    }
+/// Distance of the nearest point, at most the cubes' edge.
+fn nearest(taken: &Cubes<()>, place: DVec3) -> f64 {
+    taken.around(place).map(|(other, ())| other.distance(place)).fold(taken.edge(), f64::min)
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@
 use super::body::Source;
 use super::numbers::Region;
 use super::prepare::PreparedBody;
+use super::spread::face;
 use volmap_formats::asset::Exterior;
 use volmap_runtime::{DVec3, PosedMap, Values, VolumeMap};
 
@@ -65,23 +66,9 @@ fn cut(map: &VolumeMap) -> impl Iterator<Item = DVec3> {
 
 /// The middles of equal parts of a box's faces: cells, or what [`MOST_STEPS`] parts an edge are.
 fn border([low, high]: [DVec3; 2], cells: [u32; 3]) -> Vec<DVec3> {
-    let steps = cells.map(|n| n.clamp(1, MOST_STEPS));
-    let at = |axis: usize, n: u32| {
-        low[axis] + (high[axis] - low[axis]) * (f64::from(n) + 0.5) / f64::from(steps[axis])
-    };
-    let mut points = Vec::new();
-    for axis in 0..3 {
-        let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
-        for end in [low[axis], high[axis].next_down()] {
-            let rows = (0..steps[u]).flat_map(|i| (0..steps[v]).map(move |j| (i, j)));
-            points.extend(rows.map(|(i, j)| {
-                let mut point = [end; 3];
-                (point[u], point[v]) = (at(u, i), at(v, j));
-                DVec3::from(point)
-            }));
-        }
-    }
-    points
+    let parts = cells.map(|n| n.clamp(1, MOST_STEPS));
+    let ends = |axis: usize| [low[axis], high[axis].next_down()].map(|at| face([low, high], axis, at, parts));
+    (0..3).flat_map(|axis| ends(axis).concat()).collect()
 }
 
 /// Drops the places that lie in a body.

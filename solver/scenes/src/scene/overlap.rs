@@ -1,8 +1,8 @@
 //! Particles that can't be where they were put: in a body, out of the domain, or on top of another.
 
 use super::numbers::Region;
-use glam::{DVec3, IVec3};
-use std::collections::HashMap;
+use glam::DVec3;
+use volmap_fluid::cubes::Cubes;
 use volmap_runtime::{PosedMap, Values};
 
 /// Particles closer to a body than this many rp are left out. It is less than 0.25, the distance that a map with cells
@@ -39,15 +39,14 @@ pub(super) fn drop_outside(points: &mut Vec<DVec3>, domain: Option<&Region>) -> 
 
 /// The particles that were placed so far, sorted into cubes of the least distance.
 pub(super) struct Placed {
-    least: f64,
-    cubes: HashMap<IVec3, Vec<DVec3>>,
+    cubes: Cubes<()>,
     bounds: Vec<[DVec3; 2]>,
 }
 
 impl Placed {
     /// No particles yet; those closer than `least` are duplicates.
     pub fn new(least: f64) -> Placed {
-        Placed { least, cubes: HashMap::new(), bounds: Vec::new() }
+        Placed { cubes: Cubes::new(least), bounds: Vec::new() }
     }
 
     /// Drops the points that are too close to those of other sources. Returns how many.
@@ -59,36 +58,24 @@ impl Placed {
 
     /// Adds a source's points. Those that no box of `later` sources reaches are not kept.
     pub fn add(&mut self, points: &[DVec3], later: &[[DVec3; 2]]) {
-        let near = |point: DVec3| {
-            later.iter().any(|[low, high]| {
-                point.cmpge(*low - self.least).all() && point.cmple(*high + self.least).all()
-            })
-        };
-        for &point in points.iter().filter(|&&point| near(point)) {
-            self.cubes.entry(self.cube(point)).or_default().push(point);
+        let least = self.cubes.edge();
+        for &point in points.iter().filter(|&&point| is_reached(point, later, least)) {
+            self.cubes.add(point, ());
         }
         self.bounds.extend(bounds(points));
     }
 
-    fn cube(&self, point: DVec3) -> IVec3 {
-        (point / self.least).floor().as_ivec3()
-    }
-
     fn is_taken(&self, point: DVec3) -> bool {
-        let reaches = |[low, high]: &[DVec3; 2]| {
-            point.cmpge(*low - self.least).all() && point.cmple(*high + self.least).all()
-        };
-        if !self.bounds.iter().any(reaches) {
-            return false;
-        }
-        let cube = self.cube(point);
-        let around = (0..27).map(|i| IVec3::new(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1));
-        let limit = self.least * self.least * (1.0 - 1e-6);
-        around
-            .filter_map(|step| self.cubes.get(&cube.saturating_add(step)))
-            .flatten()
-            .any(|other| other.distance_squared(point) < limit)
+        let least = self.cubes.edge();
+        let limit = least * least * (1.0 - 1e-6);
+        is_reached(point, &self.bounds, least)
+            && self.cubes.around(point).any(|(other, ())| other.distance_squared(point) < limit)
     }
+}
+
+/// Whether a point is in one of these boxes, or no farther than the least distance from it.
+fn is_reached(point: DVec3, boxes: &[[DVec3; 2]], least: f64) -> bool {
+    boxes.iter().any(|[low, high]| point.cmpge(*low - least).all() && point.cmple(*high + least).all())
 }
 
 /// The box of some points, if there are any.

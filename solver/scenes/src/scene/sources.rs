@@ -66,14 +66,14 @@ pub fn fill(scene: &Scene, solids: &[Solid], bodies: &[PosedMap]) -> Result<Plac
         let points = &mut source.points;
         let outside = drop_outside(points, scene.domain.as_ref());
         let mut in_bodies = drop_in_bodies(points, bodies, BODY_MARGIN * rp);
+        let space = Space { gap: 0.0, ..source.space }.volume();
         let is_relaxed = source.packing == Packing::Relaxed;
         if is_relaxed {
             // Its space ends at bodies, and is full.
             in_bodies = 0;
-            let holds = source.space.volume() / scene.particle_volume();
-            make_count(points, source.space, holds.round() as usize);
+            let holds = if source.space.gap > 0.0 { source.space.volume() } else { space };
+            make_count(points, source.space, (holds / scene.particle_volume()).round() as usize);
         }
-        let space = Space { gap: 0.0, ..source.space }.volume();
         let too_near = if is_relaxed { 0 } else { too_near(points, source.space) };
         let key = source.key.clone();
         let count =
@@ -152,7 +152,7 @@ impl Scene {
 
     /// Volume of a particle, m^3.
     pub(super) fn particle_volume(&self) -> f64 {
-        self.fluid.volume_factor * self.world().particle_cube()
+        self.world().particle_volume(&self.fluid)
     }
 }
 

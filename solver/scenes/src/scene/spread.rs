@@ -1,4 +1,4 @@
-//! Points spread over a surface.
+//! Points spread over a surface or a box.
 
 use volmap_formats::mesh::TriangleMesh;
 use volmap_runtime::DVec3;
@@ -26,4 +26,19 @@ pub(super) fn spread(mesh: &TriangleMesh, rp: f64) -> Vec<DVec3> {
         points.extend(rows.map(|(i, j)| a + at(i) * (b - a) + at(j) * (c - a)));
     }
     points
+}
+
+/// The middles of equal parts of a face of a box, that across an axis at a place along it; `parts` are those along each
+/// axis.
+pub(super) fn face([low, high]: [DVec3; 2], axis: usize, at: f64, parts: [u32; 3]) -> Vec<DVec3> {
+    let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
+    let along = |axis: usize, n: u32| {
+        low[axis] + (high[axis] - low[axis]) * (f64::from(n) + 0.5) / f64::from(parts[axis])
+    };
+    let point = |(a, b): (u32, u32)| {
+        let mut x = DVec3::splat(at);
+        (x[u], x[v]) = (along(u, a), along(v, b));
+        x
+    };
+    (0..parts[u]).flat_map(|a| (0..parts[v]).map(move |b| (a, b))).map(point).collect()
 }

@@ -6,7 +6,7 @@ use super::map::Library;
 use super::numbers::Region;
 use super::solid::Solid;
 use super::space::Space;
-use super::spread::spread;
+use super::spread::{face, spread};
 use crate::error::Error;
 use std::ops::Range;
 use std::sync::Arc;
@@ -105,10 +105,13 @@ fn of_region(library: &mut Library, region: Region, space: Space, key: &str) -> 
     let [low, high] = region.corners();
     let around = Space { gap: 0.0, ..space };
     let mut corners = [low - space.gap, high + space.gap];
+    let parts =
+        ((high - low) / (2.0 * space.rp)).ceil().clamp(DVec3::ONE, DVec3::splat(MOST_POINTS)).as_uvec3();
     let mut open = 0;
-    for face in 0..6 {
-        let (axis, end) = (face / 2, face % 2);
-        if is_covered(&face_points(region, axis, end, space.rp), around) {
+    for side in 0..6 {
+        let (axis, end) = (side / 2, side % 2);
+        let at = [low, high][end][axis];
+        if is_covered(&face([low, high], axis, at, parts.to_array()), around) {
             // Out of the fluid's reach.
             corners[end][axis] += [-1.0, 1.0][end] * FAR * space.rp;
         } else {
@@ -127,22 +130,6 @@ fn of_region(library: &mut Library, region: Region, space: Space, key: &str) -> 
 
 /// Out of reach of a wall, in rp: support radii are 10 at most.
 const FAR: f64 = 20.0;
-
-/// Points on a face of a box.
-fn face_points(region: Region, axis: usize, end: usize, rp: f64) -> Vec<DVec3> {
-    let corners = region.corners();
-    let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
-    let size = corners[1] - corners[0];
-    let count = |axis: usize| (size[axis] / (2.0 * rp)).ceil().clamp(1.0, MOST_POINTS) as u32;
-    let along =
-        |axis: usize, n: u32| corners[0][axis] + size[axis] * (f64::from(n) + 0.5) / f64::from(count(axis));
-    let point = |a: u32, b: u32| {
-        let mut x = corners[end];
-        (x[u], x[v]) = (along(u, a), along(v, b));
-        x
-    };
-    (0..count(u)).flat_map(|a| (0..count(v)).map(move |b| (a, b))).map(|(a, b)| point(a, b)).collect()
-}
 
 /// Whether most of a surface that isn't buried lies on other walls.
 fn is_covered(surface: &[DVec3], around: Space) -> bool {

@@ -100,6 +100,21 @@ fn field(count: usize, seed: u64) -> Vec<Quad> {
 }
 
 impl Scene {
+    /// Velocities, and the body by the forces that it gets, are those of the dense solution, to these errors (m/s, and
+    /// parts); the body's velocity there.
+    fn assert_is(&self, exact: &[f64], velocities: &[DVec3], forces: &[[DVec3; 2]], most: [f64; 2]) -> DVec3 {
+        let at = |n: usize| DVec3::new(exact[3 * n], exact[3 * n + 1], exact[3 * n + 2]);
+        for (n, got) in velocities.iter().enumerate() {
+            assert!((*got - at(n)).length() < most[0], "{n}: {got} {}", at(n));
+        }
+        let moved = self.bodies.response(0, forces[0][0], forces[0][1]);
+        for (part, known) in self.known().into_iter().enumerate() {
+            let (got, wanted) = (known + DT * moved[part], at(velocities.len() + part));
+            assert!((got - wanted).length() < most[1] * wanted.length(), "{part}: {got} {wanted}");
+        }
+        at(velocities.len())
+    }
+
     /// The same with surfaces of so large coefficients.
     fn touched(mut self, shape: &Shape, coefficient: f64) -> Scene {
         let contact = FluidContact { viscosity: coefficient, friction: coefficient };
@@ -270,17 +285,8 @@ fn the_solve_is_that_of_the_dense_matrix() {
         let exact = scene.dense_solution();
         let (report, velocities, forces) = scene.solve(&EXACTLY);
         assert!(report.error <= EXACTLY.max_error && report.iterations > 3, "{report:?}");
-        let at = |n: usize| DVec3::new(exact[3 * n], exact[3 * n + 1], exact[3 * n + 2]);
-        for (n, got) in velocities.iter().enumerate() {
-            assert!((*got - at(n)).length() < 6e-5, "{locked} {n}: {got} {}", at(n));
-        }
-        // The body by the forces that it gets.
-        let moved = scene.bodies.response(0, forces[0][0], forces[0][1]);
-        for (part, known) in scene.known().into_iter().enumerate() {
-            let (got, wanted) = (known + DT * moved[part], at(velocities.len() + part));
-            assert!((got - wanted).length() < 1e-4 * wanted.length(), "{locked} {part}: {got} {wanted}");
-        }
-        let change = (at(velocities.len()) - scene.known()[0]).length();
+        let moved = scene.assert_is(exact.as_slice(), &velocities, &forces, [6e-5, 1e-4]);
+        let change = (moved - scene.known()[0]).length();
         assert!(change > 0.05, "the fluid moves the body: {change}");
     }
 }
@@ -373,15 +379,7 @@ fn the_stiff_solver_solves_the_same_system() {
     let exactly = ViscositySolveSettings { max_error: 1e-9, ..EXACTLY };
     let (report, velocities, forces) = scene.act(VISCOSITY, &exactly, true);
     assert!(report.error <= exactly.max_error && report.iterations > 3, "{report:?}");
-    let at = |n: usize| DVec3::new(exact[3 * n], exact[3 * n + 1], exact[3 * n + 2]);
-    for (n, got) in velocities.iter().enumerate() {
-        assert!((*got - at(n)).length() < 1e-6, "{n}: {got} {}", at(n));
-    }
-    let moved = scene.bodies.response(0, forces[0][0], forces[0][1]);
-    for (part, known) in scene.known().into_iter().enumerate() {
-        let (got, wanted) = (known + DT * moved[part], at(velocities.len() + part));
-        assert!((got - wanted).length() < 1e-6 * wanted.length(), "{part}: {got} {wanted}");
-    }
+    scene.assert_is(exact.as_slice(), &velocities, &forces, [1e-6, 1e-6]);
 }
 
 #[test]
