@@ -60,12 +60,14 @@ pub fn asset_of(plan: &Plan, settings: &MapSettings, maps: Maps) -> Asset {
         },
         band_cells: maps.cells.band,
         solid_cells: maps.cells.solid,
+        finer: Vec::new(),
         signed_distance: Array::F64(maps.distance),
         volume: Array::F64(maps.volume),
         density: settings
             .density
             .zip(maps.density)
             .map(|(density, values)| density.field(plan.support_radius, Array::F64(values))),
+        plane_weight: None,
         bake: Attributes::new(),
         source: Attributes::new(),
         diagnosis: Attributes::new(),

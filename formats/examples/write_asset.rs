@@ -30,10 +30,12 @@ fn two_cells() -> Asset {
         quadrature: QuadratureSpec { name: "gl30".into(), degree: 30, points: 2000, ball_volume: 0.0654 },
         band_cells: vec![CellRun { i: 0, j: 0, k: 0, len: 2 }],
         solid_cells: Vec::new(),
+        finer: Vec::new(),
         // All nodes are 0.3 m outside of the solid: none of it is within the support radius.
         signed_distance: Array::F32(vec![0.3; NODES]),
         volume: Array::F32(vec![0.0; NODES]),
         density: None,
+        plane_weight: None,
         bake: Attributes::new(),
         source: [("mesh".to_owned(), "made by hand".into())].into(),
         diagnosis: Attributes::new(),

@@ -71,6 +71,15 @@ pub struct CellRun {
     pub len: u32,
 }
 
+/// The cells of one level of an adaptive map, on that level's lattice, each list sorted by (k, j, i).
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct LevelCells {
+    /// Stored cells.
+    pub band: Vec<CellRun>,
+    /// Cells deeper in the solid than the band.
+    pub solid: Vec<CellRun>,
+}
+
 /// What fills the space outside the grid's domain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Exterior {
@@ -111,11 +120,17 @@ pub struct Asset {
     pub band_cells: Vec<CellRun>,
     /// Cells deeper in the solid than the band, sorted by (k, j, i).
     pub solid_cells: Vec<CellRun>,
+    /// Cells of the levels 1, 2, ... of an adaptive map, each of half the size of those before; empty in uniform maps.
+    /// `band_cells` and `solid_cells` are level 0's.
+    pub finer: Vec<LevelCells>,
     /// Signed distance at the nodes, metres, negative inside the solid ([`Array::F32`], [`Array::F64`]
     /// or [`Array::Rounded`]).
     pub signed_distance: Array,
     /// Boundary volume at the nodes, m^3 (in two dimensions area, m^2), in the same precision.
     pub volume: Array,
+    /// 0 or 1 at the free corner nodes of an adaptive map: how much of the volume is that of a flat wall at the node's
+    /// distance, of which `volume` then holds the difference. `None` where the volume is stored plainly.
+    pub plane_weight: Option<Vec<u32>>,
     /// Boundary density at the nodes, if it was baked too.
     pub density: Option<DensityField>,
     /// Effective value of every parameter of the bake.

@@ -104,10 +104,12 @@ pub fn from_grid(grid: &DiscreteGrid, settings: &ImportSettings) -> Result<Impor
         exterior,
         quadrature: QuadratureSpec { name: "unknown".into(), degree: 0, points: 0, ball_volume },
         solid_cells: runs(grid, &kinds, Kind::Solid),
+        finer: Vec::new(),
         band_cells,
         signed_distance: Array::F64(signed_distance),
         volume: Array::F64(volumes),
         density: None,
+        plane_weight: None,
         bake: parameters(grid, settings),
         source: text([
             ("format", "cdm"),
