@@ -2,6 +2,7 @@
 //! samples maps needs nothing of it.
 //!
 //! - [`Nodes`] numbers the nodes of a sparse set of cells, in the order in which an asset stores its fields;
+//! - [`Levels`] does the same for the cells of an adaptive map, which are of several sizes;
 //! - [`CellIndex`] finds the 32 node numbers of a cell;
 //! - [`serendipity`] is the element: its nodes, shape functions and monomials, in their one order.
 //!
@@ -19,10 +20,13 @@
 //! ```
 
 mod cells;
+mod levels;
 mod nodes;
 pub mod serendipity;
 
 pub use cells::{Cell, CellIndex, NodeNumbers};
 pub(crate) use cells::{Found, Place, Starts};
+pub use levels::{CornerWeights, Held, LevelCell, Levels, LevelsError};
+pub(crate) use levels::{Holder, Leaf, Tree};
 pub use nodes::{Family, NodeInterval, Nodes};
-pub use volmap_formats::asset::{CellRun, GridSpec};
+pub use volmap_formats::asset::{CellRun, GridSpec, LevelCells};

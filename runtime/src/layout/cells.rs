@@ -44,21 +44,7 @@ impl NodeNumbers {
 
     /// All 32 numbers.
     pub fn all(&self) -> [u32; NODES] {
-        let mut out = [0; NODES];
-        for row in 0..4 {
-            let corner = self.bases[row] + self.steps;
-            let edge = self.bases[4 + row] + 2 * self.steps;
-            for t in 0..2 {
-                out[2 * row + t] = corner + t as u32;
-                out[8 + 2 * row + t] = edge + t as u32;
-            }
-            // y-edges at dz = 0, 1, then z-edges at dy = 0, 1: four consecutive numbers each.
-            let pair = self.bases[8 + row] + 2 * self.steps;
-            for n in 0..4 {
-                out[16 + 4 * row + n] = pair + n as u32;
-            }
-        }
-        out
+        Starts::advanced(self.bases, self.steps).all()
     }
 }
 
@@ -93,6 +79,34 @@ pub(crate) struct Hint {
 /// (1, 0), (0, 1), (1, 1); the x-edges of the same rows; four numbers of y-edges (lower x, then upper x) for each dz;
 /// the same of z-edges for each dy.
 pub(crate) struct Starts(pub [u32; 12]);
+
+impl Starts {
+    /// Those of the cell `steps` cells further in the same run.
+    #[inline(always)]
+    pub fn advanced(mut bases: [u32; 12], steps: u32) -> Starts {
+        const ADVANCE: [u32; 12] = [1, 1, 1, 1, 2, 2, 2, 2, 2, 2, 2, 2];
+        for (start, advance) in bases.iter_mut().zip(ADVANCE) {
+            *start += advance * steps;
+        }
+        Starts(bases)
+    }
+
+    /// The numbers of all nodes of the cell.
+    pub fn all(&self) -> [u32; NODES] {
+        let mut out = [0; NODES];
+        for row in 0..4 {
+            for t in 0..2 {
+                out[2 * row + t] = self.0[row] + t as u32;
+                out[8 + 2 * row + t] = self.0[4 + row] + t as u32;
+            }
+            // y-edges at dz = 0, 1, then z-edges at dy = 0, 1: four consecutive numbers each.
+            for n in 0..4 {
+                out[16 + 4 * row + n] = self.0[8 + row] + n as u32;
+            }
+        }
+        out
+    }
+}
 
 /// Consecutive cells of one kind.
 #[derive(Clone, Copy, Debug)]
@@ -215,12 +229,7 @@ impl CellIndex {
 
     #[inline(always)]
     pub(crate) fn starts(&self, place: Place) -> Starts {
-        const ADVANCE: [u32; 12] = [1, 1, 1, 1, 2, 2, 2, 2, 2, 2, 2, 2];
-        let mut starts = self.bases[place.run as usize].nodes;
-        for (start, advance) in starts.iter_mut().zip(ADVANCE) {
-            *start += advance * place.steps;
-        }
-        Starts(starts)
+        Starts::advanced(self.bases[place.run as usize].nodes, place.steps)
     }
 
     /// What is known of a cell of the grid.

@@ -48,6 +48,17 @@ impl Family {
         }
     }
 
+    /// Rows of the lattice that a row of cells touches, each with its entry in the bases of a run ([`Nodes::bases`]) and
+    /// the steps on along y and z; and by how many points along x the lattice is longer than the cells.
+    pub(super) fn rows_of_cell(self) -> (&'static [(usize, u32, u32)], u32) {
+        match self {
+            Family::Corner => (&[(0, 0, 0), (1, 1, 0), (2, 0, 1), (3, 1, 1)], 1),
+            Family::EdgeX => (&[(4, 0, 0), (5, 1, 0), (6, 0, 1), (7, 1, 1)], 0),
+            Family::EdgeY => (&[(8, 0, 0), (9, 0, 1)], 1),
+            Family::EdgeZ => (&[(10, 0, 0), (11, 1, 0)], 1),
+        }
+    }
+
     /// Rows of cells (steps back along y and z) that touch a row of the lattice, and by how many points along x
     /// the lattice is longer than the cells.
     fn neighbours(self) -> (&'static [(u32, u32)], u32) {
@@ -211,7 +222,7 @@ fn number_family(
 }
 
 /// Appends the union of the ranges, numbered.
-fn merge_row(
+pub(super) fn merge_row(
     ranges: &mut [(u32, u32)],
     per_point: u32,
     intervals: &mut Vec<NodeInterval>,
