@@ -49,7 +49,7 @@ use std::sync::Arc;
 #[cfg(doc)]
 use crate::sample::SurfaceWithGradient;
 pub use error::ClosureError;
-pub use kind::ClosureKind;
+pub use kind::{ClosureKind, MapErrors};
 pub use model::{BoundaryDensity, Seen};
 
 /// Part by which a map's support radius may differ from the one that is needed: other programs store it in single

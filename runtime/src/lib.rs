@@ -138,7 +138,7 @@ mod query;
 mod sample;
 mod storage;
 
-pub use closure::{BoundaryDensity, Closure, ClosureError, ClosureKind, Seen};
+pub use closure::{BoundaryDensity, Closure, ClosureError, ClosureKind, MapErrors, Seen};
 pub use error::Error;
 pub use glam::{DQuat, DVec2, DVec3, UVec3};
 pub use grid::{Grid, Location};

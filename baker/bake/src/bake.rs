@@ -13,24 +13,25 @@
 //! [`plan_bake`] is the first two lines, [`PlannedBake::run`] the others. [`bake`] does both; [`bake_distance`] begins
 //! with a signed distance instead of a mesh.
 
+use crate::adaptive::adapt;
 use crate::clock::Clock;
 use crate::density_map::compute_density;
 use crate::describe;
 use crate::doubt::compare_at_nodes;
 use crate::error::Error;
 use crate::input::{Input, bounds};
-use crate::maps::{Maps, compute_maps};
+use crate::fields::Fields;
+use crate::maps::compute_maps;
 use crate::mesh::topology::Topology;
 use crate::mesh::{Diagnosis, OrientationRepair, Prepared, prepare};
 use crate::plan::{Extent, Plan, plan};
 pub use crate::recipe::BakeSettings;
-use crate::sdf::leaks::leaks;
 use crate::sdf::sign::SignChoice;
 use crate::sdf::thin::ThinPlaces;
 use crate::sdf::{BoundaryDistance, ChangedDistance, MeshDistance, SignComparison, SignedDistance};
-use crate::settings::{GridChoice, MapSettings};
+use crate::settings::{GridChoice, MapSettings, Tolerances};
 use crate::stage::Stage;
-use crate::storage::{field_bytes, stored_asset};
+use crate::storage::stored_asset;
 pub use crate::summary::{CellCounts, Rounding, Summary};
 use crate::tolerance::{Found, SearchProblem, search};
 use crate::units::Lengths;
@@ -72,8 +73,8 @@ pub struct PlannedBake {
 #[derive(Clone, Debug)]
 enum Cells {
     Planned(Plan),
-    /// By a search for this tolerance.
-    Searched(f64),
+    /// By measuring, for these tolerances.
+    Measured(Tolerances),
 }
 
 /// Examines a mesh and plans its bake, before anything large is computed.
@@ -94,7 +95,7 @@ pub fn plan_bake(mut input: Input, settings: &BakeSettings, watch: &Watch) -> Re
     };
     let extent = Extent { min, max, area };
     let cells = match settings.map.grid {
-        GridChoice::Tolerance(tolerance) => Cells::Searched(tolerance),
+        GridChoice::Tolerance(tolerances) => Cells::Measured(tolerances),
         _ => {
             let lengths = Lengths::of(&input, &extent, settings);
             Cells::Planned(plan(&extent, &settings.map).map_err(|error| lengths.explain(error))?)
@@ -105,11 +106,11 @@ pub fn plan_bake(mut input: Input, settings: &BakeSettings, watch: &Watch) -> Re
 }
 
 impl PlannedBake {
-    /// The grid, and what the bake will cost. None if a tolerance is asked for: then the search finds the grid.
+    /// The grid, and what the bake will cost. None if a tolerance is asked for: then the cells are found by measuring.
     pub fn plan(&self) -> Option<&Plan> {
         match &self.cells {
             Cells::Planned(plan) => Some(plan),
-            Cells::Searched(_) => None,
+            Cells::Measured(_) => None,
         }
     }
 
@@ -148,37 +149,44 @@ impl PlannedBake {
         let shape = self.input.placed_shape;
         let phi = BoundaryDistance { mesh, shape, invert: map.invert, thickness: map.thickness };
         // The cells of the band, Phi and V there: section 5, Eq. 12.
-        let (plan, mut maps, tolerance) = self.volume_map(&phi, watch)?;
-        // Eq. 9.
-        if let Some(density) = &map.density {
-            maps.density = Some(compute_density(&plan, density, &phi, &maps, watch)?);
-        }
-        let sign_comparison = compare_at_nodes(&phi, &plan, &maps, self.settings.check_sign, watch)?;
+        let (plan, fields, tolerance) = self.volume_map(&phi, watch)?;
+        let (count, all) = (fields.distance().len(), self.settings.check_sign);
+        let sign_comparison = compare_at_nodes(&phi, count, fields.places(&plan), all, watch)?;
         self.clock.stop();
-        let thin = ThinPlaces::find(&plan.grid, &maps.nodes, &maps.distance, &phi);
-        self.described(BakedMaps { phi, plan, maps, tolerance, sign_comparison, thin })
+        let thin = fields.thin(&plan, &phi);
+        self.described(BakedMaps { phi, plan, fields, tolerance, sign_comparison, thin })
     }
 
-    /// The grid and the fields on it, after a search if a tolerance is asked for.
+    /// The grid and the fields on it, and how uniform cells were found if they were searched for.
     fn volume_map(
         &self,
         phi: &BoundaryDistance,
         watch: &Watch,
-    ) -> Result<(Plan, Maps, Option<Found>), Error> {
+    ) -> Result<(Plan, Fields, Option<Found>), Error> {
         let map = &self.settings.map;
-        match &self.cells {
-            Cells::Planned(plan) => Ok((plan.clone(), compute_maps(plan, map.rule, phi, watch)?, None)),
-            Cells::Searched(tolerance) => {
-                let problem = SearchProblem { mesh: &self.input.mesh, extent: &self.extent, phi };
-                let (plan, maps, found) = search(&problem, map, *tolerance, watch)?;
-                Ok((plan, maps, Some(found)))
+        let problem = SearchProblem { mesh: &self.input.mesh, extent: &self.extent, phi };
+        let (plan, mut maps, found) = match &self.cells {
+            Cells::Planned(plan) => (plan.clone(), compute_maps(plan, map.rule, phi, watch)?, None),
+            // A density has no adaptive form.
+            Cells::Measured(tolerances) if map.density.is_some() => {
+                let (plan, maps, found) = search(&problem, map, tolerances.volume, watch)?;
+                (plan, maps, Some(found))
             }
+            Cells::Measured(tolerances) => {
+                let adapted = adapt(&problem, map, *tolerances, watch)?;
+                return Ok((adapted.plan.clone(), Fields::Adaptive(Box::new(adapted)), None));
+            }
+        };
+        // Eq. 9.
+        if let Some(density) = &map.density {
+            maps.density = Some(compute_density(&plan, density, phi, &maps, watch)?);
         }
+        Ok((plan, Fields::Uniform(Box::new(maps)), found))
     }
 
     /// The asset, and what there is to say of it.
     fn described(self, baked: BakedMaps) -> Result<Bake, Error> {
-        let BakedMaps { phi, plan, maps, tolerance, sign_comparison, thin } = baked;
+        let BakedMaps { phi, plan, fields, tolerance, sign_comparison, thin } = baked;
         let lengths = self.lengths();
         let PlannedBake { input, settings, repair, mut diagnosis, extent, clock, .. } = self;
         if phi.mesh.union_surface().is_some() && diagnosis.balanced {
@@ -190,15 +198,16 @@ impl PlannedBake {
             repair,
             sign: sign_choice(&phi),
             has_exact_sign: phi.mesh.has_integer_winding(),
-            leaks: leaks(plan.grid.resolution, &maps.cells),
+            leaks: fields.leaks(&plan),
             sign_comparison,
             overlaps: phi.mesh.overlaps().clone(),
             thin,
             coordinate_step: input.coordinate_step,
-            cells: CellCounts::of(&plan, &maps),
-            nodes: maps.nodes.count(),
+            cells: fields.cells(&plan),
+            nodes: fields.distance().len(),
             tolerance,
-            field_bytes: field_bytes(&plan, &maps, &settings.map),
+            adapted: fields.adapted().cloned(),
+            field_bytes: fields.bytes(&plan, &settings.map),
             density: settings.map.density,
             rounding: None,
             seconds: clock.seconds(),
@@ -209,8 +218,8 @@ impl PlannedBake {
             placement: input.placement,
             plan,
         };
-        summary.warnings = warnings::warnings(&summary, &maps, &settings, &lengths);
-        let (asset, rounding) = stored_asset(maps, &summary.plan, &settings.map)?;
+        summary.warnings = warnings::warnings(&summary, fields.distance(), &settings, &lengths);
+        let (asset, rounding) = fields.into_asset(&summary.plan, &settings.map)?;
         summary.rounding = rounding;
         let asset = Asset {
             bake: describe::parameters(&input, &summary, &settings),
@@ -234,7 +243,7 @@ fn sign_choice(phi: &BoundaryDistance) -> SignChoice {
 struct BakedMaps {
     phi: BoundaryDistance,
     plan: Plan,
-    maps: Maps,
+    fields: Fields,
     tolerance: Option<Found>,
     sign_comparison: Option<SignComparison>,
     thin: ThinPlaces,

@@ -1,6 +1,7 @@
 //! What a bake says of itself: the informative attributes of the asset.
 //! Nothing here may depend on time or threads.
 
+use crate::adaptive::Adapted;
 use crate::input::Input;
 use crate::parameters::{self, Baked};
 use crate::recipe::BakeSettings;
@@ -22,6 +23,25 @@ pub fn parameters(input: &Input, summary: &Summary, settings: &BakeSettings) -> 
     let mut out = parameters::describe(&Baked { input, settings, summary });
     if let Some(found) = &summary.tolerance {
         out.extend(measured_error(&found.error, found.reference));
+    }
+    if let Some(found) = &summary.adapted {
+        out.extend(measured_error(&found.errors.volume, found.reference));
+        out.extend(adapted(found));
+    }
+    out
+}
+
+/// How exact distance and normal are, and what stayed above the tolerance.
+fn adapted(found: &Adapted) -> Attributes {
+    let errors = &found.errors;
+    let mut out = attributes([
+        ("distance_error_max", errors.distance.max.into()),
+        ("distance_error_rms", errors.distance.rms.into()),
+        ("normal_error_99", errors.normal.max.to_degrees().into()),
+        ("cells_above_tolerance", count(found.left)),
+    ]);
+    if let Some(at) = found.left_at {
+        out.insert("above_tolerance_at".into(), at.into());
     }
     out
 }

@@ -5,15 +5,11 @@
 //! the bake of such a mesh.
 
 use crate::error::Error;
-use crate::maps::Maps;
-use crate::plan::Plan;
 use crate::random::Random;
-use crate::rows::positions;
 use crate::sdf::{BoundaryDistance, SignComparison, compare_signs};
 use crate::stage::Stage;
 use crate::watch::Watch;
 use glam::DVec3;
-use volmap_runtime::layout::Nodes;
 
 /// Part of the nodes at which the sign may be in doubt. Measured on a duck and on cubes with holes: small holes give less
 /// than 0.3 %, wide ones, half shells and sheets 2 % to 50 % (`README.md`, "Signs").
@@ -31,33 +27,33 @@ pub fn has_solid(mut distances: impl Iterator<Item = f64>, support_radius: f64) 
     distances.any(|phi| phi < -ROUNDING * support_radius)
 }
 
-/// Both signs at the nodes: at all of them if that is asked for, else at some of them if the sign isn't exact.
+/// Both signs at the nodes, `count` of them at these places: at all of them if that is asked for, else at some of them if
+/// the sign isn't exact.
 pub(crate) fn compare_at_nodes(
     phi: &BoundaryDistance,
-    plan: &Plan,
-    maps: &Maps,
+    count: usize,
+    places: impl Iterator<Item = DVec3>,
     at_all: bool,
     watch: &Watch,
 ) -> Result<Option<SignComparison>, Error> {
     if !at_all && phi.mesh.has_integer_winding() {
         return Ok(None);
     }
-    let places = positions(&maps.nodes, &plan.grid);
-    let nodes: Vec<DVec3> = if at_all { places.collect() } else { picked(&maps.nodes, places) };
+    let nodes: Vec<DVec3> = if at_all { places.collect() } else { picked(count, places) };
     let work = watch.begin(Stage::CheckSign.step(), nodes.len() as u64)?;
     Ok(Some(compare_signs(&phi.mesh, &nodes, &work)?))
 }
 
 /// A node at random of each of up to [`SAMPLED`] stretches of equal length.
-fn picked(nodes: &Nodes, mut places: impl Iterator<Item = DVec3>) -> Vec<DVec3> {
-    let length = nodes.count().div_ceil(SAMPLED).max(1);
+fn picked(count: usize, mut places: impl Iterator<Item = DVec3>) -> Vec<DVec3> {
+    let length = count.div_ceil(SAMPLED).max(1);
     let mut random = Random::new(SEED);
     let mut next = 0;
     let pick = |first: usize| {
-        let index = first + random.below(length.min(nodes.count() - first));
+        let index = first + random.below(length.min(count - first));
         let place = places.nth(index - next);
         next = index + 1;
         place
     };
-    (0..nodes.count()).step_by(length).filter_map(pick).collect()
+    (0..count).step_by(length).filter_map(pick).collect()
 }

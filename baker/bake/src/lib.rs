@@ -74,6 +74,7 @@
 //! TriangleMesh -> mesh (diagnosis, orientation) -> plan -> sdf (distance, sign, band, field) -> volume_map -> Asset
 //! ```
 
+pub mod adaptive;
 pub mod area_map;
 pub mod bake;
 pub mod cache;
@@ -84,6 +85,7 @@ pub mod density_map;
 pub mod describe;
 pub mod doubt;
 pub mod error;
+mod fields;
 pub mod input;
 pub mod iso_surface;
 pub mod maps;

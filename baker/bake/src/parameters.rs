@@ -20,8 +20,8 @@ mod written;
 pub(crate) use attribute::{flag, real};
 pub use check::Mistake;
 pub use choice::{CompressionName, PrecisionName, Up};
-pub use number::{Numbers, Resolution, Scale, Unit};
-pub use part::{Fraction, RoundingPart, Tolerance};
+pub use number::{Angle, Numbers, Resolution, Scale, Unit};
+pub use part::{Fraction, RadiusPart, RoundingPart, Tolerance};
 pub use range::Range;
 pub use row::{Baked, Group, Parameter, Section};
 pub use size::ByteSize;
@@ -33,6 +33,7 @@ use crate::input::InputSettings;
 use crate::plan::{GridChoice, Precision};
 use crate::primitive::Primitive;
 use crate::recipe::Recipe;
+use crate::settings::Tolerances;
 use crate::sdf::SignMethod;
 use crate::volume_map::quadrature::Rule;
 use attribute::{reals, text};
@@ -112,20 +113,55 @@ parameters! {
         },
     }
 
-    /// Choose the coarsest grid whose volume error, measured at 1,000 points, stays below this
-    /// fraction of the full ball: 1% or 0.01
+    /// Cells of several sizes, as large as this error of the volume allows, a fraction of the full ball: 1% or 0.01. With
+    /// a density, the coarsest grid of equal cells that does
     tolerance: Tolerance {
-        apply: |recipe, part| recipe.bake.map.grid = GridChoice::Tolerance(part.0),
+        apply: |recipe, part| recipe.bake.map.grid = GridChoice::Tolerance(Tolerances::of_volume(part.0)),
         placeholder: "FRACTION",
         example: "2%",
         group: Some(Group::Cells),
         key: |recipe| Some(match recipe.bake.map.grid {
-            GridChoice::Tolerance(part) => format!("{part:?}"),
+            GridChoice::Tolerance(tolerances) => format!("{:?}", tolerances.volume),
             _ => "auto".into(),
         }),
         describe: |baked| match baked.settings.map.grid {
-            GridChoice::Tolerance(part) => {
-                vec![("grid", format!("tolerance {part}").into()), ("tolerance", part.into())]
+            GridChoice::Tolerance(Tolerances { volume, .. }) => {
+                vec![("grid", format!("tolerance {volume}").into()), ("tolerance", volume.into())]
+            }
+            _ => Vec::new(),
+        },
+    }
+
+    /// Smaller cells where the distance is wrong by more than this fraction of the support radius
+    distance_tolerance: RadiusPart {
+        apply: |recipe, part| recipe.bake.map.grid.tolerances_mut().distance = part.0,
+        default: "ten times `tolerance`",
+        placeholder: "FRACTION",
+        example: "5%",
+        excludes: &UNIFORM,
+        key: |recipe| Some(match recipe.bake.map.grid {
+            GridChoice::Tolerance(tolerances) => format!("{:?}", tolerances.distance),
+            _ => "none".into(),
+        }),
+        describe: |baked| match baked.settings.map.grid {
+            GridChoice::Tolerance(Tolerances { distance, .. }) => vec![("distance_tolerance", distance.into())],
+            _ => Vec::new(),
+        },
+    }
+
+    /// Smaller cells where the normal is wrong by more than this angle, in degrees, but where the surface has none: 3deg
+    normal_tolerance: Angle {
+        apply: |recipe, angle| recipe.bake.map.grid.tolerances_mut().normal = Some(angle.0.to_radians()),
+        placeholder: "ANGLE",
+        example: "30deg",
+        excludes: &UNIFORM,
+        key: |recipe| Some(match recipe.bake.map.grid {
+            GridChoice::Tolerance(tolerances) => format!("{:?}", tolerances.normal),
+            _ => "none".into(),
+        }),
+        describe: |baked| match baked.settings.map.grid {
+            GridChoice::Tolerance(Tolerances { normal: Some(angle), .. }) => {
+                vec![("normal_tolerance", angle.to_degrees().into())]
             }
             _ => Vec::new(),
         },
@@ -437,6 +473,9 @@ parameters! {
     }
 }
 
+/// What gives cells of one size.
+const UNIFORM: [&str; 2] = ["resolution", "cell_size"];
+
 /// Numbers of 16 bits gain 5 % from a higher level, others less than 1 %.
 const ZSTD_OF_ROUNDED: Compression = Compression::Zstd(5);
 
@@ -446,7 +485,7 @@ impl Parameters {
     pub fn over(&self, base: &Parameters) -> Parameters {
         let mut out = self.clone();
         for row in base.given() {
-            let is_excluded = (row.is_given)(self) || row.group.is_some_and(|group| self.gives(group));
+            let is_excluded = (row.is_given)(self) || self.given().any(|own| row.is_excluded_by(own));
             if !is_excluded {
                 (row.copy)(base, &mut out);
             }

@@ -15,9 +15,59 @@ pub enum GridChoice {
     Resolution([u32; 3]),
     /// Cubes of this edge, metres; the domain grows to whole cells.
     CellSize(f64),
-    /// The largest cubes whose map is this exact, as a part of the full ball's volume: `tolerance` finds them.
+    /// Cells of several sizes, as large as these errors allow: `adaptive` finds them. With a density, which has no
+    /// adaptive form, the largest cubes whose volume is this exact: `tolerance` finds those.
     /// A plan of its own takes them as [`GridChoice::FromRadius`].
-    Tolerance(f64),
+    Tolerance(Tolerances),
+}
+
+/// Tolerances of the volume that can be asked for: parts of the full ball.
+pub const TOLERANCES: [f64; 2] = [5e-4, 0.5];
+/// Of the distance: parts of the support radius.
+pub const DISTANCE_TOLERANCES: [f64; 2] = [1e-4, 10.0];
+
+/// The largest errors that a map may have.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tolerances {
+    /// Of the volume, as a part of the full ball's.
+    pub volume: f64,
+    /// Of the distance, as a part of the support radius, within a support radius of the surface.
+    pub distance: f64,
+    /// Of the normal, radians, where the surface has one.
+    pub normal: Option<f64>,
+}
+
+impl Tolerances {
+    /// Distance errors as a part of the support radius that a tolerance of the volume allows by itself, for each part of
+    /// the ball. Where walls meet, a map's distance is wrong by up to a sixth of a cell: closures that go by the volume
+    /// don't see it.
+    const DISTANCE_PER_VOLUME: f64 = 10.0;
+    /// Of the volume, if only another error is given.
+    const VOLUME: f64 = 0.01;
+
+    /// For this error of the volume, as a part of the full ball's.
+    pub fn of_volume(volume: f64) -> Tolerances {
+        Tolerances { volume, distance: Tolerances::DISTANCE_PER_VOLUME * volume, normal: None }
+    }
+}
+
+impl Default for Tolerances {
+    fn default() -> Tolerances {
+        Tolerances::of_volume(Tolerances::VOLUME)
+    }
+}
+
+impl GridChoice {
+    /// The tolerances, made the choice if it was another.
+    pub fn tolerances_mut(&mut self) -> &mut Tolerances {
+        if !matches!(self, GridChoice::Tolerance(_)) {
+            *self = GridChoice::Tolerance(Tolerances::default());
+        }
+        match self {
+            GridChoice::Tolerance(tolerances) => tolerances,
+            _ => unreachable!("just made"),
+        }
+    }
 }
 
 /// Precision of the stored fields.

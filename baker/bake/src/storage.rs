@@ -1,20 +1,21 @@
 //! Fields as they are stored.
 
+use crate::adaptive::Settled;
 use crate::error::Error;
 use crate::maps::Maps;
 use crate::plan::Plan;
 use crate::settings::{MapSettings, Precision};
 use crate::summary::Rounding;
 use crate::volume_map::quadrature::Rule;
+use glam::UVec3;
 use volmap_formats::asset::{Array, Asset, Attributes, Dimension, QuadratureSpec, Rounded};
 
-/// Bytes of all fields if every cell of the grid were stored, and for the band alone.
-pub(crate) fn field_bytes(plan: &Plan, maps: &Maps, settings: &MapSettings) -> [u64; 2] {
-    let [x, y, z] = plan.grid.resolution.to_array().map(u64::from);
+/// Nodes of a grid all of whose cells are stored, each split in two along every axis `level` times.
+pub(crate) fn dense_nodes(resolution: UVec3, level: u32) -> u64 {
+    let [x, y, z] = resolution.to_array().map(|cells| u128::from(cells) << level);
     let corners = (x + 1) * (y + 1) * (z + 1);
     let edges = x * (y + 1) * (z + 1) + (x + 1) * y * (z + 1) + (x + 1) * (y + 1) * z;
-    let fields = 2 + u64::from(settings.density.is_some());
-    [corners + 2 * edges, maps.nodes.count() as u64].map(|nodes| fields * settings.precision.bytes() * nodes)
+    u64::try_from(corners + 2 * edges).unwrap_or(u64::MAX)
 }
 
 /// The asset of the maps, which says nothing of bake and source yet, and what rounding changed.
@@ -51,6 +52,42 @@ pub(crate) fn stored_asset(
         volume,
         density: settings.density.zip(density).map(|(density, values)| density.field(r, values)),
         plane_weight: None,
+        bake: Attributes::new(),
+        source: Attributes::new(),
+        diagnosis: Attributes::new(),
+    };
+    Ok((asset, rounding))
+}
+
+/// The same of an adaptive map.
+pub(crate) fn adaptive_asset(
+    settled: &Settled,
+    plan: &Plan,
+    settings: &MapSettings,
+) -> Result<(Asset, Option<Rounding>), Error> {
+    let r = plan.support_radius;
+    let quadrature = quadrature(settings.rule, r);
+    let (signed_distance, distance) = stored(settled.distance.clone(), r, settings.precision)?;
+    let (volume, of_volume) = stored(settled.volume.clone(), quadrature.ball_volume, settings.precision)?;
+    let rounding = match settings.precision {
+        Precision::Rounded(allowed) => Some(Rounding { allowed, distance, volume: of_volume, density: 0.0 }),
+        Precision::F32 | Precision::F64 => None,
+    };
+    let mut levels = settled.levels.iter().cloned();
+    let coarsest = levels.next().unwrap_or_default();
+    let asset = Asset {
+        dimension: Dimension::Three,
+        grid: plan.grid.into(),
+        support_radius: r,
+        exterior: plan.exterior,
+        quadrature,
+        band_cells: coarsest.band,
+        solid_cells: coarsest.solid,
+        finer: levels.collect(),
+        signed_distance,
+        volume,
+        plane_weight: settled.weights.contains(&1).then(|| settled.weights.clone()),
+        density: None,
         bake: Attributes::new(),
         source: Attributes::new(),
         diagnosis: Attributes::new(),

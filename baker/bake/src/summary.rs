@@ -1,7 +1,7 @@
 //! The summary of a bake: what a person wants to know of it, and how it is printed.
 
+use crate::adaptive::Adapted;
 use crate::input::MeshSource;
-use crate::maps::Maps;
 use crate::mesh::{Diagnosis, OrientationRepair};
 use crate::plan::Plan;
 use crate::primitive::PlacedPrimitive;
@@ -55,6 +55,8 @@ pub struct Summary {
     pub nodes: usize,
     /// How the cells were found, if a tolerance was asked for.
     pub tolerance: Option<Found>,
+    /// How cells of several sizes were found.
+    pub adapted: Option<Adapted>,
     /// Bytes of all fields if every cell of the grid were stored, and for the band alone.
     pub field_bytes: [u64; 2],
     /// How the density was computed, if it was.
@@ -76,17 +78,6 @@ pub struct CellCounts {
     pub band: u64,
     /// Deeper in the solid than the band.
     pub solid: u64,
-}
-
-impl CellCounts {
-    /// Of maps.
-    pub(crate) fn of(plan: &Plan, maps: &Maps) -> CellCounts {
-        CellCounts {
-            grid: plan.grid.resolution.as_u64vec3().element_product(),
-            band: maps.cells.band_count(),
-            solid: maps.cells.solid.iter().map(|run| u64::from(run.len)).sum(),
-        }
-    }
 }
 
 /// How far the stored fields may be, and are, from what was computed.
@@ -162,8 +153,13 @@ impl Summary {
         let (size, radius) = (edges(grid.cell_size.to_array()), self.plan.support_radius);
         writeln!(f, "grid       {x} x {y} x {z} cells of {size} m, support radius {radius} m")?;
         let CellCounts { grid: all, band, .. } = self.cells;
-        let kept = percent(band as f64 / all as f64);
-        writeln!(f, "cells      {} of {} kept ({kept})", thousands(band), thousands(all))?;
+        match &self.adapted {
+            Some(found) => fmt_levels(found, band, f)?,
+            None => {
+                let kept = percent(band as f64 / all as f64);
+                writeln!(f, "cells      {} of {} kept ({kept})", thousands(band), thousands(all))?;
+            }
+        }
         if let Some(found) = &self.tolerance {
             writeln!(f, "tolerance  {}", found_cells(found))?;
         }
@@ -276,6 +272,37 @@ impl Summary {
         }
         parts.join(", ")
     }
+}
+
+/// The cells of each level, and their errors.
+fn fmt_levels(found: &Adapted, cells: u64, f: &mut Formatter) -> fmt::Result {
+    let level = |(level, count): (usize, &u64)| {
+        let edge = found.coarsest / f64::from(1u32 << level);
+        format!("{} of {} m", thousands(*count), digits(edge))
+    };
+    let levels: Vec<String> = found.cells.iter().enumerate().map(level).collect();
+    writeln!(f, "cells      {}: {}", thousands(cells), levels.join(", "))?;
+    let (asked, errors) = (&found.tolerances, &found.errors);
+    writeln!(
+        f,
+        "tolerance  {} of the ball: largest error {}, rms {}, at {} of 1,000 points of the fluid, against {} on the \
+         exact distance",
+        percent(asked.volume),
+        percent(errors.volume.max),
+        percent(errors.volume.rms),
+        thousands(errors.volume.points as u64),
+        found.reference
+    )?;
+    writeln!(
+        f,
+        "           distance: largest error {} of the support radius (asked for {}), rms {}; normal: {} degrees at 99 \
+         % of the points{}",
+        percent(errors.distance.max),
+        percent(asked.distance),
+        percent(errors.distance.rms),
+        significant(errors.normal.max.to_degrees(), 3),
+        asked.normal.map_or(String::new(), |angle| format!(" (asked for {})", digits(angle.to_degrees())))
+    )
 }
 
 /// What the search for the tolerance found.

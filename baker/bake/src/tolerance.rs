@@ -34,8 +34,6 @@ const COARSEST: f64 = 2.0;
 const STEP: f64 = std::f64::consts::FRAC_1_SQRT_2;
 /// Of cells a third as large the error must be less than this part, or there is no use in going on.
 const STALLED: f64 = 0.8;
-/// Tolerances that can be asked for: parts of the full ball.
-pub const TOLERANCES: [f64; 2] = [5e-4, 0.5];
 /// From this tolerance on the coarser reference is fine enough: its own error is 0.06 % of the ball, the other's 0.02
 /// %.
 const COARSE_FROM: f64 = 5e-3;
@@ -67,6 +65,13 @@ pub struct MeasuredError {
 }
 
 impl MeasuredError {
+    /// The largest of some errors, and the root mean square of those that were taken at random.
+    pub(crate) fn of(all: &[f64], random: &[f64]) -> MeasuredError {
+        let squares: f64 = random.iter().map(|error| error * error).sum();
+        let rms = (squares / random.len().max(1) as f64).sqrt();
+        MeasuredError { max: all.iter().copied().fold(0.0, f64::max), rms, points: all.len() }
+    }
+
     /// Of the points of both.
     fn and(&self, other: &MeasuredError) -> MeasuredError {
         let squares = |of: &MeasuredError| of.rms * of.rms * of.points as f64;
@@ -258,9 +263,7 @@ impl Reference {
     ) -> Result<Reference, Error> {
         let points = fluid_points(problem, settings, plan);
         if points.is_empty() {
-            let reason =
-                "no fluid was found near the surface to measure the error in; check `invert` and `domain`";
-            return Err(Error::setting("tolerance", reason));
+            return Err(no_fluid());
         }
         let rule = Rule::Chord(if tolerance >= COARSE_FROM { 12 } else { 20 });
         Reference::at(points, problem.phi, rule, plan.support_radius, work)
@@ -336,11 +339,17 @@ impl Reference {
     }
 }
 
+/// Nothing to measure the error at.
+pub(crate) fn no_fluid() -> Error {
+    let reason = "no fluid was found near the surface to measure the error in; check `invert` and `domain`";
+    Error::setting("tolerance", reason)
+}
+
 /// Eq. 12 on the exact distance; each point counts as work.
 ///
 /// # Errors
 /// [`Cancelled`].
-fn integrals(
+pub(crate) fn integrals(
     phi: &impl SignedDistance,
     rule: &[Point],
     radius: f64,
@@ -357,7 +366,7 @@ fn integrals(
 }
 
 /// Points with 0 < Phi < 2 r, in any direction from points spread over the surface by area.
-fn fluid_points<D: SignedDistance>(
+pub(crate) fn fluid_points<D: SignedDistance>(
     problem: &SearchProblem<D>,
     settings: &MapSettings,
     plan: &Plan,

@@ -11,7 +11,7 @@
 //! - [`oracle`]: Eq. 12 at any point, plain and slow, kept to test the other.
 
 pub mod anywhere;
-mod cell_cut;
+pub(crate) mod cell_cut;
 pub mod dispatch;
 pub mod extension;
 pub mod kernel;
@@ -20,4 +20,4 @@ pub mod oracle;
 pub mod pixel_line;
 pub mod pixel_rows;
 pub mod quadrature;
-mod window;
+pub(crate) mod window;

@@ -1,10 +1,11 @@
 //! What a careful person would look at before using an asset: warnings, each with its place and cure.
 
+use crate::adaptive::Adapted;
 use crate::doubt::{MAX_SIGN_DISAGREEMENTS, has_solid};
-use crate::maps::Maps;
 use crate::mesh::diagnosis::Defect;
 use crate::recipe::BakeSettings;
 use crate::sdf::Overlaps;
+use crate::settings::Tolerances;
 use crate::summary::Summary;
 use crate::units::Lengths;
 use volmap_formats::text::{number, percent, significant, thousands};
@@ -13,11 +14,11 @@ use volmap_formats::text::{number, percent, significant, thousands};
 const COARSEST_STEP: f64 = 0.1;
 
 /// The warnings of a bake. The texts stand in assets: other words are other bytes.
-pub fn warnings(summary: &Summary, maps: &Maps, settings: &BakeSettings, lengths: &Lengths) -> Vec<String> {
+pub fn warnings(summary: &Summary, distances: &[f64], settings: &BakeSettings, lengths: &Lengths) -> Vec<String> {
     let mut out: Vec<String> = lengths.suspicion().into_iter().collect();
     mesh_warnings(summary, &mut out);
     overlap_warning(summary, &mut out);
-    sign_warnings(summary, maps, settings, &mut out);
+    sign_warnings(summary, distances, settings, &mut out);
     size_warnings(summary, settings, &mut out);
     let [low, high] = summary.plan.cut;
     let cut = low.iter().chain(&high).copied().fold(0.0, f64::max);
@@ -30,12 +31,13 @@ pub fn warnings(summary: &Summary, maps: &Maps, settings: &BakeSettings, lengths
         ));
     }
     let cell = summary.plan.grid.cell_size.max_element();
-    if cell > 1.5 * summary.plan.support_radius {
+    if summary.adapted.is_none() && cell > 1.5 * summary.plan.support_radius {
         out.push(format!(
             "the cells are {} support radii large: too coarse for the volume; take more cells",
             significant(cell / summary.plan.support_radius, 2)
         ));
     }
+    out.extend(summary.adapted.as_ref().and_then(too_wrong));
     if settings.map.thickness != 0.0 {
         out.push(format!(
             "the surface is moved {} m out of the solid, by `thickness`",
@@ -43,6 +45,39 @@ pub fn warnings(summary: &Summary, maps: &Maps, settings: &BakeSettings, lengths
         ));
     }
     out
+}
+
+/// Adaptive cells that can't be as exact as asked for.
+fn too_wrong(found: &Adapted) -> Option<String> {
+    let Tolerances { volume, distance, normal } = found.tolerances;
+    let errors = &found.errors;
+    let missed = [
+        (errors.volume.max > volume).then(|| format!("the volume {} of the ball", percent(errors.volume.max))),
+        (errors.distance.max > distance)
+            .then(|| format!("the distance {} of the support radius", percent(errors.distance.max))),
+        normal
+            .filter(|normal| errors.normal.max > *normal)
+            .map(|_| format!("the normal {} degrees", significant(errors.normal.max.to_degrees(), 3))),
+    ];
+    let missed: Vec<String> = missed.into_iter().flatten().collect();
+    if missed.is_empty() && found.left == 0 {
+        return None;
+    }
+    let at = place(found.left_at.as_slice());
+    let left = match found.left {
+        0 => String::new(),
+        n => format!("{} of the finest level stay above the tolerance{at}", counted(n, "cell")),
+    };
+    let missed = match missed.is_empty() {
+        true => String::new(),
+        false => format!("the map misses its tolerance: {} at most", missed.join(", ")),
+    };
+    let both = if left.is_empty() || missed.is_empty() { "" } else { "; " };
+    Some(format!(
+        "{missed}{both}{left}: walls and gaps much thinner than the support radius, kinks of the distance, or an open \
+         mesh, whose sign jumps; give sheets a `thickness`, close the mesh, or take a larger tolerance or a finer \
+         `quadrature`"
+    ))
 }
 
 fn mesh_warnings(summary: &Summary, out: &mut Vec<String>) {
@@ -151,12 +186,12 @@ fn no_solid(summary: &Summary) -> String {
     format!("no node lies inside: the map has no solid; {cure}")
 }
 
-fn sign_warnings(summary: &Summary, maps: &Maps, settings: &BakeSettings, out: &mut Vec<String>) {
+fn sign_warnings(summary: &Summary, distances: &[f64], settings: &BakeSettings, out: &mut Vec<String>) {
     let rounding = 1e-9 * summary.plan.support_radius;
-    if !has_solid(maps.distance.iter().copied(), summary.plan.support_radius) {
+    if !has_solid(distances.iter().copied(), summary.plan.support_radius) {
         out.push(no_solid(summary));
     }
-    if !maps.distance.iter().any(|phi| *phi > rounding) {
+    if !distances.iter().any(|phi| *phi > rounding) {
         let cure = match (settings.map.invert, settings.map.thickness > 0.0) {
             (_, true) => "the `thickness` fills it; take a smaller one",
             (true, _) => "the container has no inside; check its faces, and `invert`",

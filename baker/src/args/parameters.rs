@@ -41,7 +41,8 @@ fn argument<R: Rows>(row: &'static Parameter) -> Arg {
         .long(row.option())
         .value_name(row.placeholder)
         .help(row.description())
-        .help_heading(heading);
+        .help_heading(heading)
+        .conflicts_with_all(row.excludes);
     let arg = match row.needs {
         Some(flag) => arg.requires(flag),
         None => arg,

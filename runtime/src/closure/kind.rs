@@ -33,11 +33,15 @@ struct Facts {
     name: &'static str,
     /// The kernel's support radius over the maps'.
     radii_per_map_radius: f64,
-    /// Cells of its maps in their support radius. Where two walls meet, the map's distance is too small by up to a
-    /// quarter of a cell: closures that go by the distance need smaller cells than those that go by the volume.
+    /// Cells of its uniform maps in their support radius. Where two walls meet, the map's distance is too small by up to
+    /// a quarter of a cell: closures that go by the distance need smaller cells than those that go by the volume.
     cells_per_map_radius: f64,
     /// Factor on the cells' edge for bodies that turn.
     turning: f64,
+    /// Errors that its adaptive maps may have.
+    errors: MapErrors,
+    /// The same of bodies that turn.
+    errors_of_turning: MapErrors,
     /// Whether its density has a mirrored pressure in it.
     has_image: bool,
     /// Whether there is one for kernels in two dimensions.
@@ -47,6 +51,15 @@ struct Facts {
     new: fn(&Setup) -> Arc<dyn Model>,
 }
 
+/// How exact a closure needs its maps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MapErrors {
+    /// Largest error of the volume, as a part of the full ball's.
+    pub volume: f64,
+    /// Largest error of the distance, as a part of the map's support radius, within that radius of the surface.
+    pub distance: f64,
+}
+
 /// Of most kinds; `new` stands in.
 const USUAL: Facts = Facts {
     kind: ClosureKind::Calibrated,
@@ -54,6 +67,8 @@ const USUAL: Facts = Facts {
     radii_per_map_radius: 1.0,
     cells_per_map_radius: 4.0,
     turning: 1.0,
+    errors: MapErrors { volume: 2.5e-3, distance: 0.02 },
+    errors_of_turning: MapErrors { volume: 1e-3, distance: 0.01 },
     has_image: false,
     is_in_plane: false,
     follows_volume: true,
@@ -80,6 +95,8 @@ const TABLE: [Facts; 6] = [
         radii_per_map_radius: image::MAPS_PER_RADIUS,
         cells_per_map_radius: 2.0,
         turning: 2.0 / 3.0,
+        errors: MapErrors { volume: 5e-3, distance: 0.1 },
+        errors_of_turning: MapErrors { volume: 1e-3, distance: 0.1 },
         has_image: true,
         is_in_plane: true,
         follows_volume: true,
@@ -130,7 +147,13 @@ impl ClosureKind {
         support_radius / self.facts().radii_per_map_radius
     }
 
-    /// The edge (metres) that cells of its maps should have, at most, for a kernel of this support radius.
+    /// How exact its adaptive maps should be, of bodies that turn by themselves or not: the roughness of a wall between
+    /// its nodes stirs the fluid that it moves along.
+    pub fn map_errors(self, turns: bool) -> MapErrors {
+        if turns { self.facts().errors_of_turning } else { self.facts().errors }
+    }
+
+    /// The edge (metres) that cells of its uniform maps should have, at most, for a kernel of this support radius.
     pub fn cell_size(self, support_radius: f64) -> f64 {
         self.map_radius(support_radius) / self.facts().cells_per_map_radius
     }

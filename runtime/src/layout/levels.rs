@@ -203,6 +203,22 @@ impl Levels {
         all
     }
 
+    /// The transposed of [`Levels::complete`]: numbers at all nodes, those at constrained ones shared out to the nodes that
+    /// they follow from, at the free ones. What a fit of the free values needs.
+    pub fn share_out(&self, all: &[f64]) -> Vec<f64> {
+        let mut all = all.to_vec();
+        let shapes = Shapes::new();
+        for pair in self.levels.windows(2).rev() {
+            let (coarse, level) = (&pair[0], &pair[1]);
+            for at in &level.constrained {
+                let numbers = Starts::advanced(coarse.nodes.bases[at.run as usize], at.steps).all();
+                let value = all[at.node as usize];
+                shapes.parts(at.sixths).for_each(|(a, part)| all[numbers[a] as usize] += part * value);
+            }
+        }
+        self.free().map(|node| all[node as usize]).collect()
+    }
+
     /// The weights at the corners of all cells, from those at the free corner nodes. Panics if they are fewer.
     pub fn complete_weights(&self, free: &[u32]) -> CornerWeights {
         let mut all = vec![0.0; self.count()];

@@ -18,15 +18,12 @@ impl Parameters {
     /// # Errors
     /// The first mistake.
     pub fn check(&self) -> Result<(), Mistake> {
-        for group in Group::ALL {
-            let mut given = self.given().filter(|row| row.group == Some(group));
-            if let (Some(first), Some(second)) = (given.next(), given.next()) {
-                let reason = format!("can't be used with `{}`; give one of them", first.name);
-                return Err(Mistake { key: second.name, reason });
-            }
-        }
-        for row in self.given() {
+        for (at, row) in self.given().enumerate() {
             let key = row.name;
+            if let Some(other) = self.given().take(at).find(|other| row.is_excluded_by(other)) {
+                let reason = format!("can't be used with `{}`; give one of them", other.name);
+                return Err(Mistake { key, reason });
+            }
             if let Some(flag) = row.needs.filter(|flag| self.denies(flag)) {
                 let reason = format!("has no effect with {flag} = false; leave one of them out");
                 return Err(Mistake { key, reason });

@@ -22,6 +22,11 @@ pub struct Scale(pub [f64; 3]);
 #[serde(transparent)]
 pub struct Unit(pub f64);
 
+/// An angle in degrees, above 0 and at most 90.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(transparent)]
+pub struct Angle(pub f64);
+
 /// Names of units, and their metres.
 const UNITS: [(&str, f64); 8] = [
     ("m", 1.0),
@@ -81,6 +86,16 @@ impl FromStr for Scale {
     }
 }
 
+impl FromStr for Angle {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Angle, String> {
+        let number = text.strip_suffix("deg").unwrap_or(text).trim().parse::<f64>().ok();
+        let angle = number.filter(|degrees| *degrees > 0.0 && *degrees <= 90.0);
+        angle.map(Angle).ok_or_else(|| "give an angle in degrees, as 3deg or 3, at most 90".into())
+    }
+}
+
 impl FromStr for Unit {
     type Err = String;
 
@@ -100,6 +115,8 @@ mod tests {
     fn numbers_and_units() {
         assert_eq!("mm".parse(), Ok(Unit(1e-3)));
         assert!(["furlong", "0", "inf", "-1"].iter().all(|text| text.parse::<Unit>().is_err()));
+        assert_eq!(("3deg".parse(), "0.5".parse()), (Ok(Angle(3.0)), Ok(Angle(0.5))));
+        assert!(["0", "91deg", "-1", "3rad", "nan"].iter().all(|text| text.parse::<Angle>().is_err()));
         assert_eq!("20".parse(), Ok(Resolution([20; 3])));
         assert_eq!(" 1, 2 ,3".parse(), Ok(Resolution([1, 2, 3])));
         assert!(["20,30", "-1", ""].iter().all(|text| text.parse::<Resolution>().is_err()));

@@ -1,6 +1,6 @@
 //! Parameters that are a part of a whole, as 0.01 or 1%.
 
-use crate::tolerance::TOLERANCES;
+use crate::settings::{DISTANCE_TOLERANCES, TOLERANCES};
 use serde::Serialize;
 use std::str::FromStr;
 
@@ -13,6 +13,11 @@ pub struct Fraction(pub f64);
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(transparent)]
 pub struct Tolerance(pub f64);
+
+/// Part of the support radius that a distance may be wrong by.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(transparent)]
+pub struct RadiusPart(pub f64);
 
 /// Part by which rounding to 16 bits may change a value.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -42,6 +47,18 @@ impl FromStr for Tolerance {
         let part = fraction(text).filter(|part| (least..=most).contains(part));
         part.map(Tolerance).ok_or_else(|| {
             format!("give {}% to {}%, or the same as a number, as 0.01", 100.0 * least, 100.0 * most)
+        })
+    }
+}
+
+impl FromStr for RadiusPart {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<RadiusPart, String> {
+        let [least, most] = DISTANCE_TOLERANCES;
+        let part = fraction(text).filter(|part| (least..=most).contains(part));
+        part.map(RadiusPart).ok_or_else(|| {
+            format!("give {}% to {}% of the support radius, or the same as a number", 100.0 * least, 100.0 * most)
         })
     }
 }

@@ -28,6 +28,8 @@ pub struct Parameter {
     pub range: Range,
     /// At most one parameter of a group may be given.
     pub group: Option<Group>,
+    /// Other parameters that can't be given beside it.
+    pub excludes: &'static [&'static str],
     /// The flag without which it has no effect.
     pub needs: Option<&'static str>,
     /// The words that its value may be, if it is one of a few.
@@ -125,6 +127,7 @@ impl Parameter {
         section: Section::Map,
         range: Range::Any,
         group: None,
+        excludes: &[],
         needs: None,
         words: &[],
         is_flag: false,
@@ -138,6 +141,13 @@ impl Parameter {
         describe: |_| Vec::new(),
         restore: |_, _| Ok(()),
     };
+
+    /// Whether this one and another can't both be given.
+    pub fn is_excluded_by(&self, other: &Parameter) -> bool {
+        self.group.is_some() && self.group == other.group && self.name != other.name
+            || self.excludes.contains(&other.name)
+            || other.excludes.contains(&self.name)
+    }
 
     /// The option of the command line, without `--`.
     pub fn option(&self) -> String {

@@ -1,7 +1,8 @@
 //! The types of parameters' values: each is read from a text, as on the command line, and from a document.
 
-use super::number::{Numbers, Resolution, Scale, Unit};
-use super::part::{RoundingPart, Tolerance};
+use super::number::{Angle, Numbers, Resolution, Scale, Unit};
+use super::part::{RadiusPart, RoundingPart, Tolerance};
+use super::size::ByteSize;
 use crate::density_map::parse_kernel;
 use crate::primitive::Primitive;
 use crate::volume_map::quadrature::Rule;
@@ -65,6 +66,9 @@ impl<const N: usize> ParameterValue for Numbers<N> {
 }
 
 impl ParameterValue for Unit {}
+impl ParameterValue for Angle {}
+impl ParameterValue for ByteSize {}
+impl ParameterValue for RadiusPart {}
 impl ParameterValue for Tolerance {}
 impl ParameterValue for RoundingPart {}
 impl ParameterValue for Rule {}

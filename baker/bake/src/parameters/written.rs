@@ -1,7 +1,7 @@
 //! Values of a document, written as on the command line or as numbers.
 
-use super::number::{Numbers, Resolution, Scale, Unit};
-use super::part::{Fraction, RoundingPart, Tolerance};
+use super::number::{Angle, Numbers, Resolution, Scale, Unit};
+use super::part::{Fraction, RadiusPart, RoundingPart, Tolerance};
 use super::size::ByteSize;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::Error as _;
@@ -70,4 +70,4 @@ macro_rules! as_written {
 }
 
 as_written!([] Resolution, [] Scale, [] Unit, [const N: usize] Numbers<N>);
-as_written!([] Fraction, [] Tolerance, [] RoundingPart, [] ByteSize);
+as_written!([] Fraction, [] Tolerance, [] RadiusPart, [] RoundingPart, [] ByteSize, [] Angle);

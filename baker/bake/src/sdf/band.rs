@@ -193,7 +193,7 @@ impl Block {
 }
 
 /// Sorts by (k, j, i) and joins runs that touch.
-fn joined(mut runs: Vec<CellRun>) -> Vec<CellRun> {
+pub(crate) fn joined(mut runs: Vec<CellRun>) -> Vec<CellRun> {
     runs.sort_unstable_by_key(|run| (run.k, run.j, run.i));
     runs.dedup_by(|next, run| {
         let touches = (next.k, next.j, next.i) == (run.k, run.j, run.i + run.len);

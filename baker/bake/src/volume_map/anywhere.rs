@@ -17,16 +17,16 @@ use volmap_runtime::layout::serendipity::NODES;
 #[derive(Clone, Debug)]
 pub struct LineRule {
     /// Sorted by z, then y.
-    pub(super) lines: Vec<Line>,
-    pub(super) x: Vec<f64>,
-    pub(super) weight: Vec<f64>,
+    pub(crate) lines: Vec<Line>,
+    pub(crate) x: Vec<f64>,
+    pub(crate) weight: Vec<f64>,
     /// Sums of the weights before each point, and of all.
-    pub(super) summed: Vec<f64>,
+    pub(crate) summed: Vec<f64>,
 }
 
 /// Points of a rule on a line along x.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Line {
+pub(crate) struct Line {
     pub y: f64,
     pub z: f64,
     pub first: usize,
@@ -240,7 +240,7 @@ fn along_line<'a>(
             (Surface::Mixed(surface), y) => {
                 let cubic = cubic_on_line(surface, y);
                 let offset = 2.0 * (place - i) - 1.0;
-                sum += on_line(&cubic, offset, 2.0 * reach, &points[..count], &rule.weight[at..]);
+                sum += sum_on_line(&cubic, offset, 2.0 * reach, &points[..count], &rule.weight[at..]);
             }
         }
         at += count;
@@ -249,13 +249,15 @@ fn along_line<'a>(
 }
 
 /// The function of the mathematical library isn't inlined for the baseline of x86-64.
-pub(super) fn floor(x: f64) -> f64 {
+pub(crate) fn floor(x: f64) -> f64 {
     let towards_zero = x as i64 as f64;
     if towards_zero > x { towards_zero - 1.0 } else { towards_zero }
 }
 
 /// Sum of gamma* at offset + scale x, by Eq. 13 in truncated powers (as in `kernel`).
-fn on_line([c0, c1, c2, c3]: &[f64; 4], offset: f64, scale: f64, points: &[f64], weights: &[f64]) -> f64 {
+#[inline]
+pub(crate) fn sum_on_line(
+    [c0, c1, c2, c3]: &[f64; 4], offset: f64, scale: f64, points: &[f64], weights: &[f64]) -> f64 {
     let (mut outer, mut inner) = (0.0, 0.0);
     for (x, weight) in points.iter().zip(weights) {
         let x = offset + scale * x;

@@ -15,7 +15,7 @@ pub(super) struct BlockCell {
 /// A cell at constant z: the coefficients of 1, y, y^2, y^3, the same times x, and of x^2, x^2 y, x^3,
 /// x^3 y.
 #[inline(always)]
-pub(super) fn surface_at(m: &[f64; NODES], z: f64) -> [f64; 12] {
+pub(crate) fn surface_at(m: &[f64; NODES], z: f64) -> [f64; 12] {
     let base = |at: usize| m[at] + z * (m[at + 4] + z * (m[Z2 + at] + z * m[Z3 + at]));
     let low = |at: usize| m[at] + z * m[at + 2];
     let along_y = |x: usize| [base(x), base(x + 2), low(Y2 + x), low(Y3 + x)];
@@ -25,7 +25,7 @@ pub(super) fn surface_at(m: &[f64; NODES], z: f64) -> [f64; 12] {
 
 /// The coefficients of 1, x, x^2, x^3 at constant y.
 #[inline(always)]
-pub(super) fn cubic_on_line(c: &[f64; 12], y: f64) -> [f64; 4] {
+pub(crate) fn cubic_on_line(c: &[f64; 12], y: f64) -> [f64; 4] {
     let constant = c[0] + y * (c[1] + y * (c[2] + y * c[3]));
     let linear = c[4] + y * (c[5] + y * (c[6] + y * c[7]));
     [constant, linear, c[8] + y * c[9], c[10] + y * c[11]]

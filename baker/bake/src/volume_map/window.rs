@@ -51,6 +51,16 @@ pub fn monomials_of(numbers: &NodeNumbers, phi: &[f64], inverse_radius: f64) -> 
     window.values.each_ref().map(|cells| cells[0])
 }
 
+/// The same from the values of Phi at a cell's nodes.
+pub fn monomials_of_nodes(phi: &[f64; NODES], inverse_radius: f64) -> [f64; NODES] {
+    let mut window = Window::<LANES> { width: 1, ..Window::default() };
+    for (own, phi) in window.values.iter_mut().zip(phi) {
+        own[0] = 1.0 - phi * inverse_radius;
+    }
+    kernel::to_monomials(&mut window);
+    window.values.each_ref().map(|cells| cells[0])
+}
+
 impl FieldWindows<'_> {
     /// Sets the contents of `width` cells from `first` along x, in row (y, z); cells of the nodes' lattice. Returns
     /// what all of them hold, if that is one thing.

@@ -136,8 +136,13 @@ impl Shapes {
 
     /// The polynomial of a cell's values there.
     pub fn value(&self, sixths: [u8; 3], values: &[f64; NODES]) -> f64 {
+        self.parts(sixths).map(|(a, part)| part * values[a]).sum()
+    }
+
+    /// The nodes of the cell that it depends on, and their parts.
+    pub fn parts(&self, sixths: [u8; 3]) -> impl Iterator<Item = (usize, f64)> + '_ {
         let [x, y, z] = sixths.map(usize::from);
-        self.0[x + 7 * y + 49 * z].iter().map(|&(a, weight)| weight * values[a]).sum()
+        self.0[x + 7 * y + 49 * z].iter().copied()
     }
 }
 

@@ -1,0 +1,222 @@
+//! Adaptive maps: cells of several sizes, as large as the errors that are asked for allow. Adaptive grids are what Bender
+//! et al. 2020 name as future work; the volume is stored as its difference from a flat wall's where that is smoother.
+//!
+//! ```text
+//! tree      Phi on a tree of cells of its own, as fine as Eq. 12 needs       (distance_tree)
+//! V(x)      Eq. 12 on that tree, at any point                                (volume)
+//! cells     split where Phi, V or the normal miss at the midpoints           (cells)
+//! settle    2:1 balance, constraints, weights; split what misses in place    (settle)
+//! measure   the map as stored, against the exact distance; again, stricter, if it misses   (measure)
+//! ```
+
+mod cells;
+mod distance_tree;
+mod fit;
+mod lattice;
+mod measure;
+mod plane_volume;
+mod samples;
+mod settle;
+mod volume;
+
+pub use measure::MapErrors;
+pub use settle::Settled;
+
+use crate::error::Error;
+use crate::plan::{Plan, plan, support_radius};
+use crate::sdf::SignedDistance;
+use crate::settings::{GridChoice, MapSettings, Tolerances};
+use crate::stage::Stage;
+use crate::storage::adaptive_asset;
+use crate::summary::Rounding;
+use crate::tolerance::{SearchProblem, fluid_points, no_fluid};
+use crate::volume_map::anywhere::LineRule;
+use crate::volume_map::quadrature::Rule;
+use crate::watch::Watch;
+use cells::{CellTree, Judge, Known};
+use distance_tree::{DistanceTree, TreeSettings};
+use glam::{DVec3, UVec3};
+use lattice::{FineLattice, LevelCell};
+use measure::Reference;
+use samples::Samples;
+use volmap_formats::asset::{Asset, LevelCells};
+use volume::TreeIntegrator;
+
+/// Cells of level 0, in support radii.
+const COARSEST: f64 = 4.0;
+/// The finest level: cells of a sixteenth of the support radius.
+const FINEST: u32 = 6;
+/// How often cells are judged more strictly, at most.
+const ROUNDS: usize = 3;
+/// Error of Phi on the tree, in support radii for each part of the ball: V on it is then wrong by a fifth of the
+/// tolerance or less.
+const TREE: f64 = 0.3;
+/// From this tolerance on the coarser reference is fine enough: its own error is 0.06 % of the ball, the other's 0.02 %.
+const COARSE_FROM: f64 = 5e-3;
+
+/// What was found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Adapted {
+    /// What was asked for.
+    pub tolerances: Tolerances,
+    /// The errors of the map as it is stored.
+    pub errors: MapErrors,
+    /// Edge of the cells of level 0, metres.
+    pub coarsest: f64,
+    /// Cells of each level.
+    pub cells: Vec<u64>,
+    /// Cells of the finest level that are still wrong by more than the tolerance, and the centre of one.
+    pub left: usize,
+    /// The centre of one of them.
+    pub left_at: Option<[f64; 3]>,
+    /// The rule of the reference.
+    pub reference: Rule,
+}
+
+/// A map and how exact it is.
+pub struct AdaptiveMap {
+    /// The grid of level 0.
+    pub plan: Plan,
+    /// Cells, nodes and fields.
+    pub settled: Settled,
+    /// The same as an asset, which says nothing of bake and source yet.
+    pub asset: Asset,
+    /// What rounding changed.
+    pub rounding: Option<Rounding>,
+    /// How exact it is.
+    pub found: Adapted,
+}
+
+/// Finds the cells, and the map with them.
+///
+/// # Errors
+/// As [`plan`]; a map that needs more memory than is allowed; cancelled.
+pub fn adapt<D: SignedDistance>(
+    problem: &SearchProblem<D>,
+    settings: &MapSettings,
+    tolerances: Tolerances,
+    watch: &Watch,
+) -> Result<AdaptiveMap, Error> {
+    let radius = support_radius(problem.extent, settings)?;
+    let coarse = MapSettings { grid: GridChoice::CellSize(COARSEST * radius), ..settings.clone() };
+    let plan = plan(problem.extent, &coarse)?;
+    let lattice = lattice_of(&plan)?;
+    let work = watch.begin(Stage::Reference.step(), 0)?;
+    let points = fluid_points(problem, settings, &plan);
+    if points.is_empty() {
+        return Err(no_fluid());
+    }
+    let search = Search { phi: problem.phi, settings, tolerances, plan: &plan, lattice, points: &points, watch };
+    drop(work);
+    let (settled, asset, rounding, found) = search.run()?;
+    Ok(AdaptiveMap { plan, settled, asset, rounding, found })
+}
+
+/// The lattice of all levels over the grid on which Phi is needed.
+fn lattice_of(plan: &Plan) -> Result<FineLattice, Error> {
+    let lattices = (1..=FINEST).rev().find_map(|finest| FineLattice::new(plan.distance_grid(), finest));
+    lattices.ok_or_else(|| {
+        let reason = "an axis has more cells than adaptive maps can have; take a smaller domain, a larger support radius, \
+                      or equal cells (`cell_size`)";
+        Error::setting("tolerance", reason)
+    })
+}
+
+/// All that the rounds of a search share.
+struct Search<'a, D> {
+    phi: &'a D,
+    settings: &'a MapSettings,
+    tolerances: Tolerances,
+    plan: &'a Plan,
+    lattice: FineLattice,
+    /// Where the error is measured.
+    points: &'a [DVec3],
+    watch: &'a Watch,
+}
+
+/// What a round gives.
+type Round = (Settled, Asset, Option<Rounding>, Adapted);
+
+impl<D: SignedDistance> Search<'_, D> {
+    /// Judges the cells ever more strictly, until the map is as exact as asked for.
+    fn run(&self) -> Result<Round, Error> {
+        let mut known = Known::default();
+        let (mut strict, mut rounds) = (1.0, 0);
+        loop {
+            let round = self.round(strict, &mut known)?;
+            rounds += 1;
+            let excess = self.excess(&round.3.errors);
+            if excess <= 1.0 || rounds == ROUNDS {
+                return Ok(round);
+            }
+            strict *= (0.9 / excess).clamp(0.5, 0.9);
+            // Another tree gives other volumes; distances stay.
+            known.volume = Samples::default();
+        }
+    }
+
+    /// The largest error as a part of what is allowed.
+    fn excess(&self, errors: &MapErrors) -> f64 {
+        let Tolerances { volume, distance, normal } = self.tolerances;
+        let of_normal = normal.map_or(0.0, |normal| errors.normal.max / normal);
+        (errors.volume.max / volume).max(errors.distance.max / distance).max(of_normal)
+    }
+
+    fn round(&self, strict: f64, known: &mut Known) -> Result<Round, Error> {
+        let radius = self.plan.support_radius;
+        let stricter = Tolerances {
+            volume: strict * self.tolerances.volume,
+            distance: strict * self.tolerances.distance,
+            normal: self.tolerances.normal.map(|normal| strict * normal),
+        };
+        let work = self.watch.begin(Stage::Distance.step(), 0)?;
+        let settings =
+            TreeSettings { radius, tolerance: TREE * stricter.volume * radius, exterior: self.plan.exterior };
+        let tree = DistanceTree::new(self.lattice, &settings, self.phi, &mut known.distance, &work)?;
+        let work = self.watch.begin(Stage::Volume.step(), 0)?;
+        let rule = LineRule::new(self.settings.rule.points());
+        let judge = Judge {
+            lattice: self.lattice,
+            radius,
+            ball: self.settings.rule.ball_volume(radius),
+            tolerances: stricter,
+            phi: self.phi,
+            integrator: &TreeIntegrator::new(&tree, &rule, radius),
+            max_memory: self.settings.max_memory,
+            work: &work,
+        };
+        let mut cells = CellTree::default();
+        judge.decide(self.roots(), &mut cells, known)?;
+        let settled = judge.settle(&mut cells, known, self.plan)?;
+        let (asset, rounding) = adaptive_asset(&settled, self.plan, self.settings)?;
+        let found = self.measured(&asset, &settled, &tree)?;
+        Ok((settled, asset, rounding, found))
+    }
+
+    /// The cells of the map's grid, on the lattice of the larger one on which Phi is needed.
+    fn roots(&self) -> Vec<LevelCell> {
+        let (n, margin) = (self.plan.grid.resolution, self.plan.margin);
+        let at = |number: u32| UVec3::new(number % n.x, number / n.x % n.y, number / n.x / n.y);
+        (0..n.element_product()).map(|number| LevelCell { level: 0, at: margin + at(number) }).collect()
+    }
+
+    fn measured(&self, asset: &Asset, settled: &Settled, tree: &DistanceTree) -> Result<Adapted, Error> {
+        let radius = self.plan.support_radius;
+        let work = self.watch.begin(Stage::Reference.step(), 0)?;
+        let _ = asset; let map = measure::TempMap::new(settled, radius, self.settings.rule.ball_volume(radius), self.plan.exterior == volmap_formats::asset::Exterior::Solid);
+        let rule = Rule::Chord(if self.tolerances.volume >= COARSE_FROM { 12 } else { 20 });
+        let lines = LineRule::new(rule.points());
+        let estimate = TreeIntegrator::new(tree, &lines, radius);
+        let reference = Reference { phi: self.phi, radius, rule, estimate: &estimate, points: self.points };
+        let count = |level: &LevelCells| level.band.iter().map(|run| u64::from(run.len)).sum();
+        Ok(Adapted {
+            tolerances: self.tolerances,
+            errors: reference.errors(&map, &work)?,
+            coarsest: self.plan.grid.cell_size.x,
+            cells: settled.levels.iter().map(count).collect(),
+            left: settled.left.len(),
+            left_at: settled.left.first().map(|cell| self.lattice.center(*cell).to_array()),
+            reference: rule,
+        })
+    }
+}

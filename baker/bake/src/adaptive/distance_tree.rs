@@ -1,0 +1,222 @@
+//! The signed distance on a tree of cells, as fine as integrals over it need: Eq. 12 of Bender et al. 2020 asks for Phi
+//! where 0 < Phi < r, and elsewhere only for the side.
+//!
+//! Each leaf has the cubic Serendipity polynomial through its own 32 samples. Leaves of different size needn't agree at
+//! their faces: the error is bounded in each, and nothing but integrals looks at it.
+
+use super::lattice::{CENTRE, FineLattice, LevelCell, PROBES};
+use super::samples::Samples;
+use crate::sdf::SignedDistance;
+use crate::volume_map::kernel::Content;
+use crate::volume_map::window::monomials_of_nodes;
+use crate::watch::{Cancelled, Work};
+use glam::{DVec3, UVec3};
+use rayon::prelude::*;
+use volmap_formats::asset::Exterior;
+use volmap_runtime::layout::serendipity::{NODES, shape};
+
+/// What the tree must be good for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TreeSettings {
+    /// Support radius r, metres.
+    pub radius: f64,
+    /// Largest error of Phi at a leaf's midpoints, metres.
+    pub tolerance: f64,
+    /// What lies beyond the grid.
+    pub exterior: Exterior,
+}
+
+/// A tree of cells over a grid.
+#[derive(Clone, Debug)]
+pub struct DistanceTree {
+    pub(super) lattice: FineLattice,
+    pub(super) exterior: Exterior,
+    /// One entry for each cell of the grid, x fastest.
+    roots: Vec<Entry>,
+    /// Entries of the children of split cells, x fastest.
+    blocks: Vec<[Entry; 8]>,
+    /// Polynomials of s = 1 - Phi / r.
+    pub(super) polynomials: Vec<[f64; NODES]>,
+}
+
+/// What a cell is: two bits of kind, the others which one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Entry(u32);
+
+/// What holds a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Leaf {
+    pub level: u32,
+    pub content: Content,
+    /// In the polynomials, if the content is mixed.
+    pub number: u32,
+}
+
+impl Entry {
+    const ZERO: Entry = Entry(0);
+    const ONE: Entry = Entry(1);
+
+    fn mixed(number: usize) -> Entry {
+        Entry((number as u32) << 2 | 2)
+    }
+
+    fn block(number: usize) -> Entry {
+        Entry((number as u32) << 2 | 3)
+    }
+}
+
+/// Where an entry stands.
+#[derive(Clone, Copy)]
+enum Slot {
+    Root(usize),
+    Child(usize, usize),
+}
+
+impl DistanceTree {
+    /// Splits the cells of the lattice's grid until their polynomials are exact enough, or of its finest level.
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn new(
+        lattice: FineLattice,
+        settings: &TreeSettings,
+        phi: &impl SignedDistance,
+        samples: &mut Samples,
+        work: &Work,
+    ) -> Result<DistanceTree, Cancelled> {
+        let n = lattice.grid().resolution;
+        let mut tree = DistanceTree {
+            lattice,
+            exterior: settings.exterior,
+            roots: vec![Entry::ZERO; n.element_product() as usize],
+            blocks: Vec::new(),
+            polynomials: Vec::new(),
+        };
+        let at = |number: usize| {
+            let (number, [x, y]) = (number as u32, [n.x, n.y]);
+            UVec3::new(number % x, number / x % y, number / x / y)
+        };
+        let root = |number| (Slot::Root(number), LevelCell { level: 0, at: at(number) });
+        let mut cells: Vec<_> = (0..tree.roots.len()).map(root).collect();
+        while !cells.is_empty() {
+            cells = tree.level(&cells, settings, phi, samples, work)?;
+        }
+        Ok(tree)
+    }
+
+    /// Decides the cells of a level; returns the children of those that were split.
+    fn level(
+        &mut self,
+        cells: &[(Slot, LevelCell)],
+        settings: &TreeSettings,
+        phi: &impl SignedDistance,
+        samples: &mut Samples,
+        work: &Work,
+    ) -> Result<Vec<(Slot, LevelCell)>, Cancelled> {
+        let lattice = self.lattice;
+        let center = |cell: LevelCell| lattice.probes(cell)[CENTRE];
+        samples.ask_distance(cells.par_iter().map(|(_, cell)| center(*cell)), &lattice, phi, work)?;
+        let known = |cell: LevelCell| {
+            let reach = 0.5 * lattice.cell_size(cell.level).length() * (1.0 + 1e-9);
+            let phi = samples.at(center(cell));
+            match phi {
+                _ if phi - reach >= settings.radius => Entry::ZERO,
+                _ if phi + reach <= 0.0 => Entry::ONE,
+                _ => Entry::mixed(0),
+            }
+        };
+        let mut open = Vec::new();
+        for &(slot, cell) in cells {
+            match known(cell) {
+                entry @ (Entry::ZERO | Entry::ONE) => self.set(slot, entry),
+                _ => open.push((slot, cell)),
+            }
+        }
+        let points = open.par_iter().flat_map_iter(|(_, cell)| {
+            lattice.nodes(*cell).into_iter().chain(lattice.probes(*cell))
+        });
+        samples.ask_distance(points, &lattice, phi, work)?;
+        let last = cells[0].1.level == lattice.finest();
+        let decided: Vec<Option<[f64; NODES]>> = open
+            .par_iter()
+            .map(|(_, cell)| {
+                let nodes = lattice.nodes(*cell).map(|key| samples.at(key));
+                let exact = lattice.probes(*cell).map(|key| samples.at(key));
+                let margin = 0.5 * lattice.cell_size(cell.level).max_element();
+                let good = last || is_good(&nodes, &exact, margin, settings);
+                good.then(|| monomials_of_nodes(&nodes, 1.0 / settings.radius))
+            })
+            .collect();
+        let mut split = Vec::new();
+        for ((slot, cell), polynomial) in open.into_iter().zip(decided) {
+            if let Some(polynomial) = polynomial {
+                self.set(slot, Entry::mixed(self.polynomials.len()));
+                self.polynomials.push(polynomial);
+                continue;
+            }
+            let block = self.blocks.len();
+            self.set(slot, Entry::block(block));
+            self.blocks.push([Entry::ZERO; 8]);
+            split.extend((0..8).map(|n| Slot::Child(block, n)).zip(cell.children()));
+        }
+        Ok(split)
+    }
+
+    fn set(&mut self, slot: Slot, entry: Entry) {
+        match slot {
+            Slot::Root(number) => self.roots[number] = entry,
+            Slot::Child(block, number) => self.blocks[block][number] = entry,
+        }
+    }
+
+    /// The leaf at a place in units of the finest cells (multiplied out by the caller), which is in the grid.
+    #[inline(always)]
+    pub(super) fn leaf(&self, at: UVec3) -> Leaf {
+        let finest = self.lattice.finest();
+        let (n, root) = (self.lattice.grid().resolution, at >> finest);
+        let mut entry = self.roots[(root.x + n.x * (root.y + n.y * root.z)) as usize];
+        let mut level = 0;
+        while entry.0 & 3 == 3 {
+            level += 1;
+            let bits = (at >> (finest - level)) & 1;
+            entry = self.blocks[(entry.0 >> 2) as usize][(bits.x + 2 * bits.y + 4 * bits.z) as usize];
+        }
+        let content = [Content::Zero, Content::One, Content::Mixed, Content::Mixed][(entry.0 & 3) as usize];
+        Leaf { level, content, number: entry.0 >> 2 }
+    }
+
+    /// Number of leaves with a polynomial.
+    pub fn leaves(&self) -> usize {
+        self.polynomials.len()
+    }
+
+    /// Cells of level 0.
+    pub(super) fn resolution(&self) -> UVec3 {
+        self.lattice.grid().resolution
+    }
+}
+
+/// Reference coordinates of a place in quarters of a cell's edges.
+pub(super) fn probe_place(quarter: [u8; 3]) -> DVec3 {
+    DVec3::from(quarter.map(|n| 0.5 * f64::from(n) - 1.0))
+}
+
+/// The 32 shape functions at the midpoints.
+pub(super) fn shapes_at_probes() -> [[f64; NODES]; PROBES.len()] {
+    PROBES.map(|quarter| shape(probe_place(quarter)))
+}
+
+/// Whether the polynomial is exact enough at the midpoints at which the extension function asks for Phi.
+fn is_good(nodes: &[f64; NODES], exact: &[f64; PROBES.len()], margin: f64, settings: &TreeSettings) -> bool {
+    use std::sync::LazyLock;
+    static SHAPES: LazyLock<[[f64; NODES]; PROBES.len()]> = LazyLock::new(shapes_at_probes);
+    let range = -margin..settings.radius + margin;
+    let (mut sum, mut count) = (0.0, 0.0f64);
+    for (shape, exact) in SHAPES.iter().zip(exact).filter(|(_, exact)| range.contains(exact)) {
+        let found: f64 = shape.iter().zip(nodes).map(|(n, phi)| n * phi).sum();
+        sum += (found - exact).abs();
+        count += 1.0;
+    }
+    let part = (2.0 * margin / settings.radius).min(1.0);
+    sum / count.max(1.0) * part <= settings.tolerance
+}
