@@ -20,7 +20,7 @@ pub use error::AssetError;
 #[cfg(feature = "write")]
 pub use publish::{NewFile, clear_leftovers};
 pub use rounded::{Rounded, RoundingError};
-pub use schema::{DensityField, FORMAT_NAME, FORMAT_VERSION, MAX_CELLS_PER_AXIS, MAX_ROWS};
+pub use schema::{DensityField, FORMAT_NAME, FORMAT_VERSION, MAX_CELLS_PER_AXIS, MAX_LEVELS, MAX_ROWS};
 pub use tree::{Array, Attributes, Dataset, Tree, Value};
 #[cfg(feature = "write")]
 pub use write::Compression;

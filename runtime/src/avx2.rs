@@ -99,6 +99,11 @@ impl Lanes for Avx {
     }
 
     #[inline(always)]
+    fn max(self, limit: Avx) -> Avx {
+        Avx(unsafe { _mm256_max_pd(self.0, limit.0) })
+    }
+
+    #[inline(always)]
     fn zero_unless_below(self, limit: Avx) -> Avx {
         Avx(unsafe { _mm256_and_pd(self.0, _mm256_cmp_pd::<_CMP_LT_OQ>(self.0, limit.0)) })
     }

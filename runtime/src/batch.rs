@@ -6,12 +6,13 @@
 #[cfg(target_arch = "x86_64")]
 use crate::avx2;
 use crate::element::{Cube, Cubes, Numbers, Rows, Shared, Weights, differences};
+use crate::finder::{Finder, Frame};
 use crate::grid::Grid;
 use crate::lanes::{LANES, Lanes, Plain, Vectorized};
 use crate::layout::{Found, Place};
-use crate::map::VolumeMap;
+use crate::map::{Content, VolumeMap};
 use crate::sample::{MapDensity, Sample, Surface, SurfaceWithGradient, Values};
-use crate::storage::{Pairs, Singles, Storage, rows};
+use crate::storage::{Pairs, RealPairs, Singles, Storage, rows};
 use glam::{DVec3, UVec3};
 use volmap_formats::asset::Exterior;
 
@@ -23,15 +24,21 @@ pub(crate) trait Evaluate: Copy {
     fn outside(map: &VolumeMap) -> Self;
     fn deep_inside(map: &VolumeMap) -> Self;
     /// Answers the points `which` of `out`, at most four, which are in the band.
-    fn near<V: Lanes>(map: &VolumeMap, at: &Evaluated<V>, which: &[u32], out: &mut [Self]);
+    fn near<V: Lanes, F: Frame<V>>(at: &Evaluated<V, F>, which: &[u32], out: &mut [Self]);
 
     /// Answers all points from the fields that hold the answer.
     #[inline(always)]
     fn all<V: Lanes>(map: &VolumeMap, points: &[DVec3], out: &mut [Self]) {
-        match &map.fields {
-            Pairs::F32(nodes) => answers::<V, _, Self>(map, nodes.as_slice(), points, out),
-            Pairs::F64(nodes) => answers::<V, _, Self>(map, nodes.as_slice(), points, out),
-            Pairs::Rounded(multiples) => answers::<V, _, Self>(map, multiples, points, out),
+        match &map.content {
+            Content::Uniform(cells, fields) => match fields {
+                Pairs::F32(nodes) => answers::<V, _, _, Self>(map, cells, nodes.as_slice(), points, out),
+                Pairs::F64(nodes) => answers::<V, _, _, Self>(map, cells, nodes.as_slice(), points, out),
+                Pairs::Rounded(multiples) => answers::<V, _, _, Self>(map, cells, multiples, points, out),
+            },
+            Content::Adaptive(cells, fields) => match fields {
+                RealPairs::F32(nodes) => answers::<V, _, _, Self>(map, cells, nodes.as_slice(), points, out),
+                RealPairs::F64(nodes) => answers::<V, _, _, Self>(map, cells, nodes.as_slice(), points, out),
+            },
         }
     }
 }
@@ -48,9 +55,10 @@ impl Evaluate for Values {
     }
 
     #[inline(always)]
-    fn near<V: Lanes>(_: &VolumeMap, at: &Evaluated<V>, which: &[u32], out: &mut [Values]) {
-        let (distance, volume) =
-            (at.distance.value(&at.weights).array(), at.volume.value(&at.weights).array());
+    fn near<V: Lanes, F: Frame<V>>(at: &Evaluated<V, F>, which: &[u32], out: &mut [Values]) {
+        let distance = at.distance.value(&at.weights);
+        let volume = at.frame.volume(at.frame.wall(distance), at.volume.value(&at.weights)).array();
+        let distance = distance.array();
         for (lane, &point) in which.iter().enumerate() {
             out[point as usize] = Values { distance: distance[lane], volume: volume[lane] };
         }
@@ -69,26 +77,10 @@ impl Evaluate for Sample {
     }
 
     #[inline(always)]
-    fn near<V: Lanes>(map: &VolumeMap, at: &Evaluated<V>, which: &[u32], out: &mut [Sample]) {
-        let (distance, volume) = (at.distance.value(&at.weights), at.volume.value(&at.weights));
-        let slope = at.distance.gradient(&at.weights);
-        let per_cell = map.per_cell;
-        let n = unit([
-            slope[0] * V::splat(per_cell.x),
-            slope[1] * V::splat(per_cell.y),
-            slope[2] * V::splat(per_cell.z),
-        ]);
-        let closest = |axis: usize| (at.points[axis] - distance * n[axis]).array();
-        let (x, y, z) = (closest(0), closest(1), closest(2));
-        let n = [n[0].array(), n[1].array(), n[2].array()];
-        let (distance, volume) = (distance.array(), volume.array());
-        for (lane, &point) in which.iter().enumerate() {
-            out[point as usize] = Sample::Near(Surface {
-                distance: distance[lane],
-                normal: DVec3::new(n[0][lane], n[1][lane], n[2][lane]),
-                closest_point: DVec3::new(x[lane], y[lane], z[lane]),
-                volume: volume[lane],
-            });
+    fn near<V: Lanes, F: Frame<V>>(at: &Evaluated<V, F>, which: &[u32], out: &mut [Sample]) {
+        let surfaces = at.surfaces().0;
+        for (surface, &point) in surfaces.iter().zip(which) {
+            out[point as usize] = Sample::Near(*surface);
         }
     }
 }
@@ -105,21 +97,16 @@ impl Evaluate for Sample<SurfaceWithGradient> {
     }
 
     #[inline(always)]
-    fn near<V: Lanes>(
-        map: &VolumeMap,
-        at: &Evaluated<V>,
+    fn near<V: Lanes, F: Frame<V>>(
+        at: &Evaluated<V, F>,
         which: &[u32],
         out: &mut [Sample<SurfaceWithGradient>],
     ) {
-        let mut samples = [Sample::Outside; LANES];
-        let lanes = [0, 1, 2, 3];
-        <Sample as Evaluate>::near(map, at, &lanes[..which.len()], &mut samples);
-        let slope = at.volume.gradient(&at.weights);
-        let slope = [slope[0].array(), slope[1].array(), slope[2].array()];
-        for (lane, &point) in which.iter().enumerate() {
-            let gradient = map.per_cell * DVec3::new(slope[0][lane], slope[1][lane], slope[2][lane]);
-            out[point as usize] =
-                samples[lane].map(|surface| SurfaceWithGradient { surface, volume_gradient: gradient });
+        let (surfaces, wall, slope) = at.surfaces();
+        let slope = at.frame.volume_slope(wall, at.volume.gradient(&at.weights), slope);
+        let gradients = at.per_point(slope);
+        for ((&surface, &volume_gradient), &point) in surfaces.iter().zip(&gradients).zip(which) {
+            out[point as usize] = Sample::Near(SurfaceWithGradient { surface, volume_gradient });
         }
     }
 }
@@ -136,40 +123,72 @@ impl Evaluate for Option<MapDensity> {
     }
 
     #[inline(always)]
-    fn near<V: Lanes>(map: &VolumeMap, at: &Evaluated<V>, which: &[u32], out: &mut [Option<MapDensity>]) {
-        let (value, slope) = (at.volume.value(&at.weights).array(), at.volume.gradient(&at.weights));
-        let slope = [slope[0].array(), slope[1].array(), slope[2].array()];
+    fn near<V: Lanes, F: Frame<V>>(at: &Evaluated<V, F>, which: &[u32], out: &mut [Option<MapDensity>]) {
+        let value = at.volume.value(&at.weights).array();
+        let gradients = at.per_point(at.volume.gradient(&at.weights));
         for (lane, &point) in which.iter().enumerate() {
-            let gradient = map.per_cell * DVec3::new(slope[0][lane], slope[1][lane], slope[2][lane]);
-            out[point as usize] = Some(MapDensity { value: value[lane], gradient });
+            out[point as usize] = Some(MapDensity { value: value[lane], gradient: gradients[lane] });
         }
     }
 
     #[inline(always)]
     fn all<V: Lanes>(map: &VolumeMap, points: &[DVec3], out: &mut [Option<MapDensity>]) {
+        let Content::Uniform(cells, _) = &map.content else { return out.fill(None) };
         match map.density.as_ref().map(|density| &density.numbers) {
-            Some(Singles::F32(nodes)) => answers::<V, _, Self>(map, nodes.as_slice(), points, out),
-            Some(Singles::F64(nodes)) => answers::<V, _, Self>(map, nodes.as_slice(), points, out),
-            Some(Singles::Rounded(steps)) => answers::<V, _, Self>(map, steps, points, out),
+            Some(Singles::F32(nodes)) => answers::<V, _, _, Self>(map, cells, nodes.as_slice(), points, out),
+            Some(Singles::F64(nodes)) => answers::<V, _, _, Self>(map, cells, nodes.as_slice(), points, out),
+            Some(Singles::Rounded(steps)) => answers::<V, _, _, Self>(map, cells, steps, points, out),
             None => out.fill(None),
         }
     }
 }
 
 /// Four points in the band and the element there.
-pub(crate) struct Evaluated<V> {
+pub(crate) struct Evaluated<V, F> {
     points: [V; 3],
     weights: Weights<V>,
     distance: Cubes<V>,
     volume: Cubes<V>,
+    frame: F,
 }
 
-impl<V: Lanes> Evaluated<V> {
+impl<V: Lanes, F: Frame<V>> Evaluated<V, F> {
     #[inline(always)]
-    fn new(numbers: &impl Numbers<V>, points: [V; 3], f: [V; 3]) -> Evaluated<V> {
+    fn new(numbers: &impl Numbers<V>, points: [V; 3], f: [V; 3], frame: F) -> Evaluated<V, F> {
         let weights = Weights::new(f);
         let [distance, volume] = Cubes::of_both(numbers, &weights);
-        Evaluated { points, weights, distance, volume }
+        Evaluated { points, weights, distance, volume, frame }
+    }
+
+    /// The surface as each point sees it; what a flat wall adds, and the slope of the distance in the cell.
+    #[inline(always)]
+    fn surfaces(&self) -> ([Surface; LANES], F::Wall, [V; 3]) {
+        let distance = self.distance.value(&self.weights);
+        let wall = self.frame.wall(distance);
+        let volume = self.frame.volume(wall, self.volume.value(&self.weights)).array();
+        let slope = self.distance.gradient(&self.weights);
+        let per_cell = self.frame.per_cell();
+        let n = unit([slope[0] * per_cell[0], slope[1] * per_cell[1], slope[2] * per_cell[2]]);
+        let closest = |axis: usize| (self.points[axis] - distance * n[axis]).array();
+        let (x, y, z) = (closest(0), closest(1), closest(2));
+        let n = [n[0].array(), n[1].array(), n[2].array()];
+        let distance = distance.array();
+        let surface = |lane: usize| Surface {
+            distance: distance[lane],
+            normal: DVec3::new(n[0][lane], n[1][lane], n[2][lane]),
+            closest_point: DVec3::new(x[lane], y[lane], z[lane]),
+            volume: volume[lane],
+        };
+        ([surface(0), surface(1), surface(2), surface(3)], wall, slope)
+    }
+
+    /// Gradients with respect to the points, from slopes in their cells.
+    #[inline(always)]
+    fn per_point(&self, slope: [V; 3]) -> [DVec3; LANES] {
+        let per_cell = self.frame.per_cell();
+        let axis = |axis: usize| (slope[axis] * per_cell[axis]).array();
+        let (x, y, z) = (axis(0), axis(1), axis(2));
+        [0, 1, 2, 3].map(|lane| DVec3::new(x[lane], y[lane], z[lane]))
     }
 }
 
@@ -203,23 +222,31 @@ impl<A: Evaluate> Vectorized for All<'_, A> {
     }
 }
 
+/// A map, its cells, and the values at its nodes.
+struct Asked<'a, S: ?Sized, C> {
+    map: &'a VolumeMap,
+    cells: &'a C,
+    fields: &'a S,
+}
+
 #[inline(always)]
-fn answers<V: Lanes, S: Storage + ?Sized, A: Evaluate>(
+fn answers<V: Lanes, S: Storage + ?Sized, C: Finder, A: Evaluate>(
     map: &VolumeMap,
+    cells: &C,
     fields: &S,
     points: &[DVec3],
     out: &mut [A],
 ) {
+    let asked = &Asked { map, cells, fields };
     match (points, &mut *out) {
-        ([point], [out]) => one::<V, S, A>(map, fields, *point, out),
-        _ => blocks::<V, S, A>(map, fields, points, out),
+        ([point], [out]) => one::<V, S, C, A>(asked, *point, out),
+        _ => blocks::<V, S, C, A>(asked, points, out),
     }
 }
 
 #[inline(always)]
-fn blocks<V: Lanes, S: Storage + ?Sized, A: Evaluate>(
-    map: &VolumeMap,
-    fields: &S,
+fn blocks<V: Lanes, S: Storage + ?Sized, C: Finder, A: Evaluate>(
+    asked: &Asked<S, C>,
     points: &[DVec3],
     out: &mut [A],
 ) {
@@ -240,7 +267,7 @@ fn blocks<V: Lanes, S: Storage + ?Sized, A: Evaluate>(
                 &padded
             }
         };
-        collect::<V, A>(map, block, out, &mut near);
+        collect::<V, C, A>(asked.map, asked.cells, block, out, &mut near);
         near.pad();
         let fours = near.count.div_ceil(LANES);
         for four in 0..fours {
@@ -249,11 +276,13 @@ fn blocks<V: Lanes, S: Storage + ?Sized, A: Evaluate>(
             let places = near.place.as_chunks::<LANES>().0[four];
             let which = &near.index[LANES * four..near.count.min(LANES * (four + 1))];
             if places == [places[0]; LANES] {
-                shared.load::<V, S>(map, fields, places[0]);
-                A::near(map, &Evaluated::new(&shared.numbers, points, f), which, out);
+                shared.load::<V, S, C>(asked, places[0]);
+                let frame = asked.cells.frame(asked.map.per_cell, &places, &f);
+                A::near(&Evaluated::new(&shared.numbers, points, f, frame), which, out);
             } else {
-                let apart = Apart::load(map, fields, places);
-                A::near(map, &Evaluated::new(&apart, points, f), which, out);
+                let apart = Apart::load(asked, places);
+                let frame = asked.cells.frame(asked.map.per_cell, &places, &f);
+                A::near(&Evaluated::new(&apart, points, f, frame), which, out);
             }
         }
     }
@@ -292,8 +321,14 @@ impl Near {
 
 /// Answers the points beyond the band, and lists the others. There are as many as `out` is long.
 #[inline(always)]
-fn collect<V: Lanes, A: Evaluate>(map: &VolumeMap, points: &[DVec3; BLOCK], out: &mut [A], near: &mut Near) {
-    let mut hint = map.cells.hint();
+fn collect<V: Lanes, C: Finder, A: Evaluate>(
+    map: &VolumeMap,
+    cells: &C,
+    points: &[DVec3; BLOCK],
+    out: &mut [A],
+    near: &mut Near,
+) {
+    let mut hint = cells.hint();
     near.count = 0;
     let fours = points.as_chunks::<LANES>().0.iter().zip(out.chunks_mut(LANES));
     for (four, (points, out)) in fours.enumerate() {
@@ -303,13 +338,14 @@ fn collect<V: Lanes, A: Evaluate>(map: &VolumeMap, points: &[DVec3; BLOCK], out:
                 *out = beyond(map, point);
                 continue;
             }
-            match map.cells.place(located.cell(lane), &mut hint) {
+            let mut f = located.f(lane);
+            match cells.place(located.cell(lane), &mut f, &mut hint) {
                 Found::Band(place) => {
                     let n = near.count % BLOCK;
                     near.index[n] = (LANES * four + lane) as u32;
                     near.place[n] = place;
                     for axis in 0..3 {
-                        near.f[axis][n] = located.f[axis][lane];
+                        near.f[axis][n] = f[axis];
                         near.points[axis][n] = point[axis];
                     }
                     near.count += 1;
@@ -366,6 +402,11 @@ impl Located {
     fn cell(&self, lane: usize) -> UVec3 {
         UVec3::new(self.cell[0][lane], self.cell[1][lane], self.cell[2][lane])
     }
+
+    #[inline(always)]
+    fn f(&self, lane: usize) -> DVec3 {
+        DVec3::new(self.f[0][lane], self.f[1][lane], self.f[2][lane])
+    }
 }
 
 /// The differences of one cell.
@@ -380,13 +421,13 @@ impl Differences {
     }
 
     #[inline(always)]
-    fn load<V: Lanes, S: Storage + ?Sized>(&mut self, map: &VolumeMap, fields: &S, place: Place) {
+    fn load<V: Lanes, S: Storage + ?Sized, C: Finder>(&mut self, asked: &Asked<S, C>, place: Place) {
         if self.place == place {
             return;
         }
-        let starts = map.cells.starts(place);
+        let starts = asked.cells.starts(place);
         for (cube, numbers) in self.numbers.0.iter_mut().enumerate() {
-            let rows: Rows<V> = differences(rows(fields, &starts, cube));
+            let rows: Rows<V> = differences(rows(asked.fields, &starts, cube));
             for (row, numbers) in rows.into_iter().zip(numbers) {
                 let [d, v, upper_d, upper_v] = row.array();
                 *numbers = [d, v, upper_d - d, upper_v - v];
@@ -402,19 +443,22 @@ struct Apart<V>([[Rows<V>; 4]; LANES]);
 impl<V: Lanes> Apart<V> {
     /// All cells before any is needed: their memory is waited for at once.
     #[inline(always)]
-    fn load<S: Storage + ?Sized>(map: &VolumeMap, fields: &S, [a, b, c, d]: [Place; LANES]) -> Apart<V> {
+    fn load<S: Storage + ?Sized, C: Finder>(asked: &Asked<S, C>, [a, b, c, d]: [Place; LANES]) -> Apart<V> {
         Apart([
-            all_differences(map, fields, a),
-            all_differences(map, fields, b),
-            all_differences(map, fields, c),
-            all_differences(map, fields, d),
+            all_differences(asked, a),
+            all_differences(asked, b),
+            all_differences(asked, c),
+            all_differences(asked, d),
         ])
     }
 }
 
 #[inline(always)]
-fn all_differences<V: Lanes, S: Storage + ?Sized>(map: &VolumeMap, fields: &S, place: Place) -> [Rows<V>; 4] {
-    let starts = map.cells.starts(place);
+fn all_differences<V: Lanes, S: Storage + ?Sized, C: Finder>(
+    asked: &Asked<S, C>,
+    place: Place,
+) -> [Rows<V>; 4] {
+    let (starts, fields) = (asked.cells.starts(place), asked.fields);
     [
         differences(rows(fields, &starts, 0)),
         differences(rows(fields, &starts, 1)),
@@ -439,18 +483,25 @@ impl<V: Lanes> Numbers<V> for Apart<V> {
 
 /// The answer for one point.
 #[inline(always)]
-fn one<V: Lanes, S: Storage + ?Sized, A: Evaluate>(map: &VolumeMap, fields: &S, point: DVec3, out: &mut A) {
-    let Some((cell, f)) = map.grid.cell_and_place(point) else {
+fn one<V: Lanes, S: Storage + ?Sized, C: Finder, A: Evaluate>(
+    asked: &Asked<S, C>,
+    point: DVec3,
+    out: &mut A,
+) {
+    let (map, cells) = (asked.map, asked.cells);
+    let Some((cell, mut f)) = map.grid.cell_and_place(point) else {
         *out = beyond(map, point);
         return;
     };
-    match map.cells.place(cell, &mut map.cells.hint()) {
+    match cells.place(cell, &mut f, &mut cells.hint()) {
         Found::Band(place) => {
             let mut shared = Differences::none();
-            shared.load::<V, S>(map, fields, place);
+            shared.load::<V, S, C>(asked, place);
             let lanes = |v: DVec3| [V::splat(v.x), V::splat(v.y), V::splat(v.z)];
-            let evaluated = Evaluated::new(&shared.numbers, lanes(point), lanes(f));
-            A::near(map, &evaluated, &[0], std::slice::from_mut(out));
+            let (point, f) = (lanes(point), lanes(f));
+            let frame = cells.frame(map.per_cell, &[place; LANES], &f);
+            let evaluated = Evaluated::new(&shared.numbers, point, f, frame);
+            A::near(&evaluated, &[0], std::slice::from_mut(out));
         }
         Found::Solid => *out = A::deep_inside(map),
         Found::Fluid => *out = A::outside(map),

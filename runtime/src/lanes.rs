@@ -21,6 +21,8 @@ pub(crate) trait Lanes:
     fn floor(self) -> Self;
     /// The smaller one; `limit` for NaN.
     fn min(self, limit: Self) -> Self;
+    /// The larger one; `limit` for NaN.
+    fn max(self, limit: Self) -> Self;
     /// Zero where the number is not below `limit`, or NaN.
     fn zero_unless_below(self, limit: Self) -> Self;
     /// Bit by bit, whether the number is in 0 ..= `limit`.
@@ -119,6 +121,11 @@ impl Lanes for Plain {
     #[inline(always)]
     fn min(self, limit: Plain) -> Plain {
         self.zip(limit, |x, limit| if x < limit { x } else { limit })
+    }
+
+    #[inline(always)]
+    fn max(self, limit: Plain) -> Plain {
+        self.zip(limit, |x, limit| if x > limit { x } else { limit })
     }
 
     #[inline(always)]

@@ -3,6 +3,7 @@
 //!
 //! - [`Nodes`] numbers the nodes of a sparse set of cells, in the order in which an asset stores its fields;
 //! - [`Levels`] does the same for the cells of an adaptive map, which are of several sizes;
+//! - [`FlatWall`] is what adaptive maps may store the volume's difference from;
 //! - [`CellIndex`] finds the 32 node numbers of a cell;
 //! - [`serendipity`] is the element: its nodes, shape functions and monomials, in their one order.
 //!
@@ -24,9 +25,10 @@ mod levels;
 mod nodes;
 pub mod serendipity;
 
+pub use crate::flat_wall::FlatWall;
 pub use cells::{Cell, CellIndex, NodeNumbers};
-pub(crate) use cells::{Found, Place, Starts};
+pub(crate) use cells::{Found, Hint, Place, Starts};
 pub use levels::{CornerWeights, Held, LevelCell, Levels, LevelsError};
-pub(crate) use levels::{Holder, Leaf, Tree};
+pub(crate) use levels::{Tree, TreeHint};
 pub use nodes::{Family, NodeInterval, Nodes};
 pub use volmap_formats::asset::{CellRun, GridSpec, LevelCells};

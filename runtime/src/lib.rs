@@ -118,12 +118,15 @@
 #[cfg(test)]
 extern crate self as volmap_runtime;
 
+mod adaptive;
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 mod batch;
 mod closure;
 mod element;
 mod error;
+mod finder;
+mod flat_wall;
 mod grid;
 mod kernel;
 mod lanes;

@@ -1,9 +1,10 @@
 //! A volume map in memory, and what is known of it as a whole.
 
+use crate::adaptive::AdaptiveCells;
 use crate::grid::Grid;
 use crate::kernel::KernelKind;
 use crate::layout::CellIndex;
-use crate::storage::{Pairs, Singles};
+use crate::storage::{Pairs, RealPairs, Singles};
 use glam::DVec3;
 use volmap_formats::asset::{Dimension, Exterior, QuadratureSpec};
 
@@ -17,10 +18,15 @@ pub struct VolumeMap {
     pub(crate) support_radius: f64,
     pub(crate) exterior: Exterior,
     pub(crate) quadrature: QuadratureSpec,
-    pub(crate) cells: CellIndex,
-    /// Distance and volume of each node.
-    pub(crate) fields: Pairs,
+    pub(crate) content: Content,
     pub(crate) density: Option<DensityNodes>,
+}
+
+/// The stored cells, and distance and volume of each node.
+#[derive(Clone, Debug)]
+pub(crate) enum Content {
+    Uniform(CellIndex, Pairs),
+    Adaptive(AdaptiveCells, RealPairs),
 }
 
 /// The density of a map.
@@ -37,9 +43,28 @@ impl VolumeMap {
         self.dimension
     }
 
-    /// The lattice of cells; its box is the domain of the map. In two dimensions the cells are endless along z.
+    /// The lattice of cells; its box is the domain of the map. In two dimensions the cells are endless along z. In
+    /// adaptive maps it is that of level 0: the largest cells, of which some are divided.
     pub fn grid(&self) -> &Grid {
         &self.grid
+    }
+
+    /// Levels of cells: 1 in uniform maps; each has cells of half the size of those before.
+    pub fn levels(&self) -> u32 {
+        match &self.content {
+            Content::Uniform(..) => 1,
+            Content::Adaptive(cells, _) => cells.tree.levels(),
+        }
+    }
+
+    /// Edge lengths of the smallest cells, metres: those of [`VolumeMap::grid`] in uniform maps.
+    pub fn finest_cell_size(&self) -> DVec3 {
+        self.grid.cell_size / f64::from(1u32 << (self.levels() - 1))
+    }
+
+    /// Whether the volume is stored as its difference from a flat wall's, somewhere at least.
+    pub fn has_plane_weights(&self) -> bool {
+        matches!(&self.content, Content::Adaptive(cells, _) if cells.walls.is_some())
     }
 
     /// Radius r of the balls whose solid part is the map's volume, metres: the support radius of the kernels that it
@@ -66,6 +91,10 @@ impl VolumeMap {
     /// Bytes that the map holds in memory.
     pub fn memory_bytes(&self) -> usize {
         let density = self.density.as_ref().map_or(0, |density| density.numbers.memory_bytes());
-        self.fields.memory_bytes() + density + self.cells.memory_bytes()
+        let content = match &self.content {
+            Content::Uniform(cells, fields) => cells.memory_bytes() + fields.memory_bytes(),
+            Content::Adaptive(cells, fields) => cells.memory_bytes() + fields.memory_bytes(),
+        };
+        content + density
     }
 }

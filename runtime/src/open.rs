@@ -4,12 +4,13 @@
 //! order, fields of one length and type with finite values. Here the tables are derived, and what they show is checked:
 //! that there is a value for each node.
 
+use crate::adaptive::{AdaptiveCells, Walls};
 use crate::error::Error;
 use crate::grid::Grid;
-use crate::layout::{CellIndex, Nodes};
-use crate::map::{DensityNodes, VolumeMap};
+use crate::layout::{CellIndex, FlatWall, LevelCells, Levels, Nodes};
+use crate::map::{Content, DensityNodes, VolumeMap};
 use crate::plane::{self, PlaneNodes};
-use crate::storage::{Pairs, Singles};
+use crate::storage::{Pairs, RealPairs, Singles};
 use std::borrow::Cow;
 use std::path::Path;
 use volmap_formats::asset::{self, Array, Asset, DensityField, Dimension};
@@ -46,12 +47,8 @@ impl VolumeMap {
 
 fn from_checked(asset: &Asset) -> Result<VolumeMap, Error> {
     let grid = Grid::from(asset.grid);
-    let nodes = Nodes::new(grid.resolution, &asset.band_cells)
-        .ok_or_else(|| Error::inconsistent("/cells/band", "has more than 2^32 nodes"))?;
-    let stored = Stored::new(asset.dimension, &nodes);
-    let fields = interleave(&asset.signed_distance, &asset.volume, &stored)?;
-    let density = asset.density.as_ref().map(|density| density_nodes(density, &stored));
-    let cells = CellIndex::new(grid.resolution, &asset.band_cells, &asset.solid_cells, &nodes);
+    let (content, density) =
+        if asset.is_adaptive() { (of_levels(asset, grid)?, None) } else { uniform(asset, grid)? };
     let grid = match asset.dimension {
         Dimension::Two => plane::endless(grid),
         Dimension::Three => grid,
@@ -63,10 +60,69 @@ fn from_checked(asset: &Asset) -> Result<VolumeMap, Error> {
         support_radius: asset.support_radius,
         exterior: asset.exterior,
         quadrature: asset.quadrature.clone(),
-        cells,
-        fields,
-        density: density.transpose()?,
+        content,
+        density,
     })
+}
+
+fn uniform(asset: &Asset, grid: Grid) -> Result<(Content, Option<DensityNodes>), Error> {
+    let nodes = Nodes::new(grid.resolution, &asset.band_cells)
+        .ok_or_else(|| Error::inconsistent("/cells/band", "has more than 2^32 nodes"))?;
+    let stored = Stored::new(asset.dimension, &nodes);
+    let fields = interleave(&asset.signed_distance, &asset.volume, &stored)?;
+    let density = asset.density.as_ref().map(|density| density_nodes(density, &stored));
+    let cells = CellIndex::new(grid.resolution, &asset.band_cells, &asset.solid_cells, &nodes);
+    Ok((Content::Uniform(cells, fields), density.transpose()?))
+}
+
+fn of_levels(asset: &Asset, grid: Grid) -> Result<Content, Error> {
+    let first = LevelCells { band: asset.band_cells.clone(), solid: asset.solid_cells.clone() };
+    let cells: Vec<LevelCells> = std::iter::once(first).chain(asset.finer.iter().cloned()).collect();
+    let levels = Levels::for_values(grid, &cells, asset.signed_distance.len())
+        .map_err(|error| Error::inconsistent("/cells/band", error.to_string()))?;
+    let fields = complete(&asset.signed_distance, &asset.volume, &levels)?;
+    let walls = asset.plane_weight.as_ref().map(|weights| -> Result<Walls, Error> {
+        expect_length(
+            "/fields/plane_weight",
+            weights.len(),
+            levels.free_corner_count(),
+            "free corner nodes",
+        )?;
+        let wall = FlatWall::new(asset.support_radius, asset.quadrature.ball_volume);
+        Ok(Walls::new(wall, &levels.complete_weights(weights)))
+    });
+    let walls = walls.transpose()?;
+    Ok(Content::Adaptive(AdaptiveCells { tree: levels.into_tree(), walls }, fields))
+}
+
+/// The values at all nodes of an adaptive map, from those at the free ones.
+fn complete(distance: &Array, volume: &Array, levels: &Levels) -> Result<RealPairs, Error> {
+    expect_length("/fields/signed_distance", distance.len(), levels.free_count(), "free nodes")?;
+    expect_length("/fields/volume", volume.len(), levels.free_count(), "free nodes")?;
+    let single = |x: f64| x as f32;
+    match (distance, volume) {
+        (Array::F32(d), Array::F32(v)) => {
+            let pairs = d.iter().zip(v).map(|(&d, &v)| [d, v]);
+            Ok(RealPairs::F32(levels.complete_all(pairs, f64::from, single)))
+        }
+        (Array::F64(d), Array::F64(v)) => {
+            let pairs = d.iter().zip(v).map(|(&d, &v)| [d, v]);
+            Ok(RealPairs::F64(levels.complete_all(pairs, |x| x, |x| x)))
+        }
+        // Between nodes there are values that are no multiples.
+        (Array::Rounded(d), Array::Rounded(v)) => {
+            let pairs = d.values().zip(v.values()).map(|(d, v)| [d as f32, v as f32]);
+            Ok(RealPairs::F32(levels.complete_all(pairs, f64::from, single)))
+        }
+        _ => Err(Error::inconsistent("/fields", "differ in precision")),
+    }
+}
+
+fn expect_length(what: &'static str, found: usize, expected: usize, nodes: &str) -> Result<(), Error> {
+    match found == expected {
+        true => Ok(()),
+        false => Err(Error::inconsistent(what, format!("has {found} values for {expected} {nodes}"))),
+    }
 }
 
 /// Which nodes' values are stored.
@@ -85,10 +141,7 @@ impl Stored {
 
     /// The values of all nodes of the cells.
     fn all<'a>(&self, what: &'static str, field: &'a Array) -> Result<Cow<'a, Array>, Error> {
-        if field.len() != self.nodes {
-            let reason = format!("has {} values for {} nodes", field.len(), self.nodes);
-            return Err(Error::inconsistent(what, reason));
-        }
+        expect_length(what, field.len(), self.nodes, "nodes")?;
         Ok(match &self.plane {
             Some(plane) => Cow::Owned(plane.spread(field)),
             None => Cow::Borrowed(field),

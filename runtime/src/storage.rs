@@ -13,6 +13,23 @@ pub(crate) enum Pairs {
     Rounded(Multiples),
 }
 
+/// The same of an adaptive map: rounded values are held as f32, for at constrained nodes they are no multiples.
+#[derive(Clone, Debug)]
+pub(crate) enum RealPairs {
+    F32(Vec<[f32; 2]>),
+    F64(Vec<[f64; 2]>),
+}
+
+impl RealPairs {
+    /// Bytes held in memory.
+    pub fn memory_bytes(&self) -> usize {
+        match self {
+            RealPairs::F32(nodes) => size_of_val(nodes.as_slice()),
+            RealPairs::F64(nodes) => size_of_val(nodes.as_slice()),
+        }
+    }
+}
+
 /// Whole numbers of the two steps.
 #[derive(Clone, Debug)]
 pub(crate) struct Multiples {

@@ -14,7 +14,6 @@ mod distance_tree;
 mod fit;
 mod lattice;
 mod measure;
-mod plane_volume;
 mod samples;
 mod settle;
 mod volume;
@@ -40,6 +39,8 @@ use lattice::{FineLattice, LevelCell};
 use measure::Reference;
 use samples::Samples;
 use volmap_formats::asset::{Asset, LevelCells};
+use volmap_runtime::VolumeMap;
+use volmap_runtime::layout::FlatWall;
 use volume::TreeIntegrator;
 
 /// Cells of level 0, in support radii.
@@ -179,6 +180,7 @@ impl<D: SignedDistance> Search<'_, D> {
             lattice: self.lattice,
             radius,
             ball: self.settings.rule.ball_volume(radius),
+            wall: FlatWall::new(radius, self.settings.rule.ball_volume(radius)),
             tolerances: stricter,
             phi: self.phi,
             integrator: &TreeIntegrator::new(&tree, &rule, radius),
@@ -203,7 +205,7 @@ impl<D: SignedDistance> Search<'_, D> {
     fn measured(&self, asset: &Asset, settled: &Settled, tree: &DistanceTree) -> Result<Adapted, Error> {
         let radius = self.plan.support_radius;
         let work = self.watch.begin(Stage::Reference.step(), 0)?;
-        let _ = asset; let map = measure::TempMap::new(settled, radius, self.settings.rule.ball_volume(radius), self.plan.exterior == volmap_formats::asset::Exterior::Solid);
+        let map = VolumeMap::from_asset(asset).map_err(|error| Error::setting("tolerance", error.to_string()))?;
         let rule = Rule::Chord(if self.tolerances.volume >= COARSE_FROM { 12 } else { 20 });
         let lines = LineRule::new(rule.points());
         let estimate = TreeIntegrator::new(tree, &lines, radius);

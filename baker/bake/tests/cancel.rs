@@ -76,7 +76,7 @@ fn bakes_end_at_any_step() {
 #[test]
 fn searches_end_at_any_step() {
     let map =
-        MapSettings { support_radius: Some(0.4), grid: GridChoice::Tolerance(0.2), ..MapSettings::default() };
+        MapSettings { support_radius: Some(0.4), grid: GridChoice::Tolerance(Tolerances::of_volume(0.2)), ..MapSettings::default() };
     let settings = BakeSettings { map, ..BakeSettings::default() };
     let one_try = ["finding the band", "sampling the distance", "integrating the volume"];
     let before = ["examining the mesh", "building the tree", "measuring the exact volume"];

@@ -2,16 +2,19 @@
 //! while it is read (`schema.rs`): that all is there and of the right type.
 
 use super::error::AssetError;
-use super::schema::{DENSITY, DensityField};
+use super::schema::{DENSITY, DensityField, PLANE_WEIGHT};
 use super::tree::{Array, MAX_ERROR, STEP};
-use super::{Asset, CellRun, Dimension, GridSpec, MAX_CELLS_PER_AXIS, MAX_ROWS};
+use super::{Asset, CellRun, Dimension, GridSpec, MAX_CELLS_PER_AXIS, MAX_LEVELS, MAX_ROWS};
 
 impl Asset {
     /// Checks the asset: the grid is a finite box of 1 to 2^20 cells an axis and at most 2^24 rows, of one layer in two
     /// dimensions; lengths and integrals are positive and finite; the cells lie in the grid, in order, each in one run
-    /// at most; the fields have one length and type, and finite values. Reading a file does this too.
+    /// at most; the fields have one length and type, and finite values. In adaptive maps the same of the cells of each
+    /// level; they are in space and without a density, have [`MAX_LEVELS`] levels at most and at most 2^20 cells of the
+    /// finest one an axis, and weights that are 0 or 1. Reading a file does this too.
     ///
-    /// Not checked: that there are as many values as nodes. Numbering the nodes is up to who uses them.
+    /// Not checked: that there are as many values as nodes, and what cells of different levels are to each other.
+    /// Numbering the nodes is up to who uses them.
     ///
     /// # Errors
     /// [`AssetError::Invalid`] with the first part that is wrong.
@@ -19,9 +22,8 @@ impl Asset {
         check_grid(&self.grid, self.dimension)?;
         check_positive("/grid@support_radius", self.support_radius)?;
         check_positive("/quadrature@ball_volume", self.quadrature.ball_volume)?;
-        check_runs("/cells/band", &self.band_cells, self.grid.resolution)?;
-        check_runs("/cells/solid", &self.solid_cells, self.grid.resolution)?;
-        check_disjoint(&self.band_cells, &self.solid_cells)?;
+        check_cells(0, &self.band_cells, &self.solid_cells, self.grid.resolution)?;
+        check_adaptive(self)?;
         check_field("/fields/signed_distance", &self.signed_distance, &self.signed_distance)?;
         check_field("/fields/volume", &self.volume, &self.signed_distance)?;
         self.density.as_ref().map_or(Ok(()), |density| check_density(density, &self.signed_distance))
@@ -59,15 +61,57 @@ fn check_positive(what: &str, value: f64) -> Result<(), AssetError> {
     }
 }
 
-fn check_runs(what: &str, runs: &[CellRun], [x, y, z]: [u32; 3]) -> Result<(), AssetError> {
+/// The cells of one level.
+fn check_cells(
+    level: usize,
+    band: &[CellRun],
+    solid: &[CellRun],
+    resolution: [u32; 3],
+) -> Result<(), AssetError> {
+    check_runs("/cells/band", level, band, resolution)?;
+    check_runs("/cells/solid", level, solid, resolution)?;
+    check_disjoint(band, solid)
+}
+
+/// What adaptive maps have beside the cells of level 0.
+fn check_adaptive(asset: &Asset) -> Result<(), AssetError> {
+    if asset.finer.is_empty() && asset.plane_weight.is_none() {
+        return Ok(());
+    }
+    if asset.dimension != Dimension::Three || asset.density.is_some() {
+        return Err(AssetError::invalid(
+            "/cells",
+            "has levels or weights, which are for volumes in space alone",
+        ));
+    }
+    if asset.finer.len() >= MAX_LEVELS {
+        return Err(AssetError::invalid("/cells/band", format!("has more than {MAX_LEVELS} levels")));
+    }
+    if asset.grid.resolution.iter().any(|&n| u64::from(n) << asset.finer.len() > MAX_CELLS_PER_AXIS.into()) {
+        return Err(AssetError::invalid(
+            "/grid@resolution",
+            "is over 1048576 cells of the finest level an axis",
+        ));
+    }
+    for (level, cells) in (1..).zip(&asset.finer) {
+        check_cells(level, &cells.band, &cells.solid, asset.grid.resolution.map(|n| n << level))?;
+    }
+    match asset.plane_weight.iter().flatten().any(|&weight| weight > 1) {
+        true => Err(AssetError::invalid(PLANE_WEIGHT, "has numbers other than 0 and 1")),
+        false => Ok(()),
+    }
+}
+
+fn check_runs(what: &str, level: usize, runs: &[CellRun], [x, y, z]: [u32; 3]) -> Result<(), AssetError> {
+    let of_level = if level == 0 { String::new() } else { format!(" of level {level}") };
     let mut free = (0, 0, 0);
     for (row, run) in runs.iter().enumerate() {
         let end = run.i.checked_add(run.len).filter(|&end| end <= x && run.len > 0);
         let (Some(end), true, true) = (end, run.j < y, run.k < z) else {
-            return Err(AssetError::invalid(what, format!("row {row} lies outside the grid")));
+            return Err(AssetError::invalid(what, format!("row {row}{of_level} lies outside the grid")));
         };
         if (run.k, run.j, run.i) < free {
-            return Err(AssetError::invalid(what, format!("row {row} is out of order")));
+            return Err(AssetError::invalid(what, format!("row {row}{of_level} is out of order")));
         }
         free = (run.k, run.j, end);
     }

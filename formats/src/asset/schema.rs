@@ -1,5 +1,6 @@
 //! What the objects of the file mean: [`Asset`] to [`Tree`] and back. `SPEC.md` is this file in prose.
 
+mod cells;
 mod density;
 
 pub use self::density::DensityField;
@@ -8,13 +9,14 @@ use super::error::{AssetError, printable};
 use super::tree::{Array, Attributes, Tree, Value};
 #[cfg(feature = "write")]
 use super::tree::{Dataset, MAX_ERROR, STEP};
-use super::{Asset, CellRun, Dimension, Exterior, GridSpec, QuadratureSpec};
+use super::{Asset, Dimension, Exterior, GridSpec, LevelCells, QuadratureSpec};
 
 /// Value of the root attribute `format`.
 pub const FORMAT_NAME: &str = "volmap";
 /// The newest version that is read. A file gets the lowest version that can hold its content: 1 in space, 2 with a
-/// density; 3 and 4 are the same in the plane.
-pub const FORMAT_VERSION: u64 = 4;
+/// density; 3 and 4 are the same in the plane; 5 with several levels of cells, or weights against a flat wall.
+pub const FORMAT_VERSION: u64 = 5;
+const ADAPTIVE_VERSION: u64 = 5;
 
 pub(super) const GROUPS: [&str; 8] =
     ["/", "/bake", "/cells", "/diagnosis", "/fields", "/grid", "/quadrature", "/source"];
@@ -22,6 +24,9 @@ pub(super) const DATASETS: [&str; 4] =
     ["/cells/band", "/cells/solid", "/fields/signed_distance", "/fields/volume"];
 /// What versions 2 and 4 have beside these.
 pub(super) const DENSITY: &str = "/fields/density";
+
+/// What version 5 has beside these: nothing in it where the volume is stored plainly.
+pub(super) const PLANE_WEIGHT: &str = "/fields/plane_weight";
 
 /// Eq. 13 of Bender et al. 2020, the one extension function of this version.
 const EXTENSION: &str = "cubic_spline";
@@ -32,6 +37,8 @@ const NODE_LAYOUT_PLANE: &str = "cubic_serendipity_12";
 const DIMENSION: &str = "dimension";
 /// Cells along an axis of a grid, at most.
 pub const MAX_CELLS_PER_AXIS: u32 = 1 << 20;
+/// Levels of cells, at most.
+pub const MAX_LEVELS: usize = 16;
 /// Rows of cells along x (resolution y times z), at most: indices of rows take memory.
 pub const MAX_ROWS: u64 = 1 << 24;
 
@@ -49,8 +56,9 @@ pub(super) fn tree_from_asset(asset: &Asset) -> Tree {
     group("/quadrature", quadrature_attributes(asset));
     group("/source", asset.source.clone());
     let mut dataset = |path: &str, dataset: Dataset| _ = tree.datasets.insert(path.into(), dataset);
-    dataset("/cells/band", runs_dataset(&asset.band_cells, "cells that are stored"));
-    dataset("/cells/solid", runs_dataset(&asset.solid_cells, "cells deeper in the solid than the band"));
+    for (path, cells) in cells::datasets(asset) {
+        dataset(path, cells);
+    }
     dataset(
         "/fields/signed_distance",
         field_dataset(&asset.signed_distance, "m", "signed distance Phi, negative inside the solid"),
@@ -63,6 +71,9 @@ pub(super) fn tree_from_asset(asset: &Asset) -> Tree {
             "boundary volume, Eq. 12 of Bender et al. 2020",
         ),
     );
+    if asset.is_adaptive() {
+        dataset(PLANE_WEIGHT, weight_dataset(asset.plane_weight.as_deref().unwrap_or_default()));
+    }
     if let Some(density) = &asset.density {
         dataset(DENSITY, density::dataset(density));
     }
@@ -73,8 +84,16 @@ pub(super) fn tree_from_asset(asset: &Asset) -> Tree {
 impl Asset {
     /// Version of the format of its file.
     pub fn format_version(&self) -> u64 {
+        if self.is_adaptive() {
+            return ADAPTIVE_VERSION;
+        }
         let plane = if self.dimension == Dimension::Two { 2 } else { 0 };
         1 + plane + u64::from(self.density.is_some())
+    }
+
+    /// Whether it has cells of several levels, or weights against a flat wall.
+    pub fn is_adaptive(&self) -> bool {
+        !self.finer.is_empty() || self.plane_weight.is_some()
     }
 }
 
@@ -141,15 +160,13 @@ pub(super) fn attributes<const N: usize>(pairs: [(&str, Value); N]) -> Attribute
 }
 
 #[cfg(feature = "write")]
-fn runs_dataset(runs: &[CellRun], description: &str) -> Dataset {
-    let numbers = runs.iter().flat_map(|run| [run.i, run.j, run.k, run.len]).collect();
+fn weight_dataset(weights: &[u32]) -> Dataset {
+    let description =
+        "0 or 1 at free corner nodes: the part of a flat wall's volume that the volume is without";
     Dataset {
-        array: Array::U32(numbers),
-        shape: vec![runs.len(), 4],
-        attributes: attributes([
-            ("columns", "i, j, k, length: cells (i .. i+length, j, k)".into()),
-            ("description", description.into()),
-        ]),
+        array: Array::U32(weights.to_vec()),
+        shape: vec![weights.len()],
+        attributes: attributes([("units", "1".into()), ("description", description.into())]),
     }
 }
 
@@ -180,6 +197,10 @@ fn check_format(root: &Attributes) -> Result<Vec<&'static str>, AssetError> {
         }
         Some(Value::Integer(v)) if v[..] == [1] || v[..] == [3] => Ok(DATASETS.to_vec()),
         Some(Value::Integer(v)) if v[..] == [2] || v[..] == [4] => Ok([&DATASETS[..], &[DENSITY]].concat()),
+        // The last one is a field: it may be read on a second thread.
+        Some(Value::Integer(v)) if v[..] == [ADAPTIVE_VERSION] => {
+            Ok([&[PLANE_WEIGHT], &DATASETS[..]].concat())
+        }
         _ => Err(AssetError::invalid("/@format_version", "isn't a version number")),
     }
 }
@@ -192,10 +213,8 @@ pub(super) fn asset_from_tree(mut tree: Tree) -> Result<Asset, AssetError> {
     let root = Reader::new(&tree, "/");
     root.expect("length_unit", "m")?;
     root.expect("extension_function", EXTENSION)?;
-    let dimension = match root.integers("format_version")? {
-        [1 | 2] => Dimension::Three,
-        _ => Dimension::Two,
-    };
+    let [version] = root.integers("format_version")?;
+    let dimension = if matches!(version, 3 | 4) { Dimension::Two } else { Dimension::Three };
     Reader::new(&tree, "/fields").expect("node_layout", dimension.node_layout())?;
     let grid_group = Reader::new(&tree, "/grid");
     if dimension == Dimension::Two && grid_group.integers(DIMENSION)? != [2] {
@@ -209,8 +228,8 @@ pub(super) fn asset_from_tree(mut tree: Tree) -> Result<Asset, AssetError> {
         _ => return Err(grid_group.invalid("exterior", "is neither `fluid` nor `solid`")),
     };
     let quadrature = quadrature_spec(&Reader::new(&tree, "/quadrature"))?;
-    let band_cells = runs(&tree, "/cells/band")?;
-    let solid_cells = runs(&tree, "/cells/solid")?;
+    let mut finer = cells::from_tree(&tree, version == ADAPTIVE_VERSION)?;
+    let LevelCells { band: band_cells, solid: solid_cells } = finer.remove(0);
     let mut group = |path: &str| tree.groups.remove(path).unwrap_or_default();
     let (bake, source, diagnosis) = (group("/bake"), group("/source"), group("/diagnosis"));
     let asset = Asset {
@@ -221,11 +240,11 @@ pub(super) fn asset_from_tree(mut tree: Tree) -> Result<Asset, AssetError> {
         quadrature,
         band_cells,
         solid_cells,
-        finer: Vec::new(),
+        finer,
         signed_distance: field(&mut tree, "/fields/signed_distance")?,
         volume: field(&mut tree, "/fields/volume")?,
         density: density::from_tree(&mut tree)?,
-        plane_weight: None,
+        plane_weight: plane_weight(&mut tree, version)?,
         bake,
         source,
         diagnosis,
@@ -246,14 +265,14 @@ fn quadrature_spec(group: &Reader) -> Result<QuadratureSpec, AssetError> {
     Ok(QuadratureSpec { name: group.text("name")?, degree, points, ball_volume: group.real("ball_volume")? })
 }
 
-fn runs(tree: &Tree, path: &str) -> Result<Vec<CellRun>, AssetError> {
-    let dataset = tree.datasets.get(path).ok_or_else(|| AssetError::Missing(path.into()))?;
-    match (&dataset.array, dataset.shape.as_slice()) {
-        (Array::U32(numbers), [_, 4]) => {
-            let run = |n: &[u32]| CellRun { i: n[0], j: n[1], k: n[2], len: n[3] };
-            Ok(numbers.chunks_exact(4).map(run).collect())
-        }
-        _ => Err(AssetError::invalid(path, "isn't a table of u32 with 4 columns")),
+/// `None` if there are none.
+fn plane_weight(tree: &mut Tree, version: u64) -> Result<Option<Vec<u32>>, AssetError> {
+    if version != ADAPTIVE_VERSION {
+        return Ok(None);
+    }
+    match field(tree, PLANE_WEIGHT)? {
+        Array::U32(weights) => Ok(Some(weights).filter(|weights| !weights.is_empty())),
+        _ => Err(AssetError::invalid(PLANE_WEIGHT, "isn't u32")),
     }
 }
 
@@ -328,7 +347,7 @@ impl<'a> Reader<'a> {
 
 #[cfg(all(test, feature = "write"))]
 mod tests {
-    use super::super::{DensityField, Rounded};
+    use super::super::{CellRun, DensityField, Rounded};
     use super::*;
 
     fn asset() -> Asset {
@@ -382,10 +401,79 @@ mod tests {
             assert_eq!(check_format(&tree.groups["/"]).unwrap().contains(&DENSITY), version % 2 == 0);
             assert_eq!(asset_from_tree(tree).unwrap(), asset);
         }
-        for version in [Value::from(0u64), 5u64.into(), Value::Integer(vec![1, 1]), 1.0.into()] {
+        for version in [Value::from(0u64), 6u64.into(), Value::Integer(vec![1, 1]), 1.0.into()] {
             let root = attributes([("format", FORMAT_NAME.into()), ("format_version", version)]);
             assert!(check_format(&root).is_err());
         }
+    }
+
+    /// The cell beside the one of level 0 is split; of its children one is in the band, one solid.
+    fn adaptive() -> Asset {
+        let finer = LevelCells {
+            band: vec![CellRun { i: 2, j: 0, k: 0, len: 1 }],
+            solid: vec![CellRun { i: 3, j: 1, k: 1, len: 1 }],
+        };
+        Asset { finer: vec![finer], plane_weight: Some(vec![1, 0, 1]), ..asset() }
+    }
+
+    #[test]
+    fn adaptive_maps_are_version_5_and_come_back() {
+        let all = adaptive();
+        let plain = Asset { plane_weight: None, ..adaptive() };
+        let one_level = Asset { finer: Vec::new(), ..adaptive() };
+        for asset in [all, plain, one_level] {
+            let tree = tree_from_asset(&asset);
+            assert_eq!(tree.groups["/"]["format_version"], 5u64.into());
+            let listed = check_format(&tree.groups["/"]).unwrap();
+            assert_eq!(listed.len(), tree.datasets.len());
+            assert!(listed.iter().all(|&path| tree.datasets.contains_key(path)));
+            assert_eq!(asset_from_tree(tree).unwrap(), asset);
+        }
+    }
+
+    #[test]
+    fn what_adaptive_maps_cannot_be_is_refused_by_name() {
+        type Change = fn(&mut Asset);
+        let all: [(&str, Change); 9] = [
+            ("`/cells` has levels", |asset| asset.dimension = Dimension::Two),
+            ("`/cells` has levels", |asset| asset.density = density()),
+            ("more than 16 levels", |asset| asset.finer.resize(16, LevelCells::default())),
+            ("`/grid@resolution` is over", |asset| asset.grid.resolution[0] = (1 << 19) + 1),
+            ("row 0 of level 1 lies outside", |asset| asset.finer[0].band[0].j = 2),
+            ("row 0 of level 1 lies outside", |asset| asset.finer[0].solid[0].len = 0),
+            ("row 1 of level 1 is out of order", |asset| {
+                asset.finer[0].band.push(CellRun { i: 2, j: 0, k: 0, len: 1 });
+            }),
+            ("overlaps /cells/band", |asset| asset.finer[0].solid[0] = asset.finer[0].band[0]),
+            ("plane_weight` has numbers other", |asset| asset.plane_weight = Some(vec![0, 2])),
+        ];
+        for (text, change) in all {
+            let mut asset = adaptive();
+            change(&mut asset);
+            let error = asset.check().unwrap_err().to_string();
+            assert!(error.contains(text), "{error}");
+        }
+    }
+
+    #[test]
+    fn tables_of_levels_are_refused_by_name() {
+        let error = |change: fn(&mut Vec<u32>)| {
+            let mut tree = tree_from_asset(&adaptive());
+            let Array::U32(numbers) = &mut tree.datasets.get_mut("/cells/band").unwrap().array else {
+                panic!()
+            };
+            change(numbers);
+            tree.seal();
+            asset_from_tree(tree).err().map(|error| error.to_string())
+        };
+        assert_eq!(error(|_| ()), None);
+        assert!(error(|numbers| numbers[0] = 2).unwrap().contains("`/cells/band` row 1 is out of order"));
+        assert!(error(|numbers| numbers[5] = 16).unwrap().contains("`/cells/band` has more than 16 levels"));
+        let mut tree = tree_from_asset(&adaptive());
+        tree.groups.get_mut("/").unwrap().insert("format_version".into(), 1u64.into());
+        tree.seal();
+        let error = asset_from_tree(tree).unwrap_err().to_string();
+        assert!(error.contains("`/cells/band` isn't a table of u32 with 4 columns"), "{error}");
     }
 
     #[test]

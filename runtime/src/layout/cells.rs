@@ -51,8 +51,8 @@ impl NodeNumbers {
 /// A stored cell: its run and the cells before it there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Place {
-    run: u32,
-    steps: u32,
+    pub(super) run: u32,
+    pub(super) steps: u32,
 }
 
 impl Place {

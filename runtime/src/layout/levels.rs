@@ -13,9 +13,9 @@ mod rows;
 mod tree;
 
 pub use error::LevelsError;
-pub(crate) use tree::{Holder, Leaf, Tree};
+pub(crate) use tree::{Tree, TreeHint};
 
-use super::cells::Starts;
+use super::cells::{Found, Starts};
 use super::nodes::Family;
 use super::serendipity::NODES;
 use crate::grid::Grid;
@@ -94,21 +94,24 @@ impl Levels {
     /// # Errors
     /// A cell within another one; cells that touch and differ by two levels or more; too many nodes.
     pub fn new(grid: Grid, levels: &[LevelCells]) -> Result<Levels, LevelsError> {
-        let refined = checked(&grid, levels, u64::MAX)?;
-        let numbered = number(&grid, levels)?;
-        Ok(Levels::assemble(grid, levels, &refined, numbered))
+        Levels::for_values(grid, levels, usize::MAX)
     }
 
-    /// As [`Levels::new`], for that many values at free nodes. The memory that it takes is in proportion to them and to
+    /// As [`Levels::new`], for so many values at free nodes. The memory that it takes is in proportion to them and to
     /// the runs.
     pub(crate) fn for_values(
         grid: Grid,
         levels: &[LevelCells],
         values: usize,
     ) -> Result<Levels, LevelsError> {
-        let refined = checked(&grid, levels, values as u64)?;
-        let numbered = number(&grid, levels)?;
+        let refined = checked(grid.resolution, levels, values as u64)?;
+        let numbered = number(levels)?;
         Ok(Levels::assemble(grid, levels, &refined, numbered))
+    }
+
+    /// What queries need of it.
+    pub(crate) fn into_tree(self) -> Tree {
+        self.tree
     }
 
     fn assemble(grid: Grid, cells: &[LevelCells], refined: &[Vec<CellRun>], levels: Vec<Level>) -> Levels {
@@ -122,7 +125,7 @@ impl Levels {
         }
         let constrained: usize = levels.iter().map(|level| level.constrained.len()).sum();
         let free_count = levels.last().map_or(0, |level| level.nodes.end as usize) - constrained;
-        let tree = Tree::new(grid, cells, refined, runs);
+        let tree = Tree::new(grid.resolution, cells, refined, runs);
         Levels { grid, tree, levels, cells: count, free_count }
     }
 
@@ -192,13 +195,24 @@ impl Levels {
 
     /// The values at all nodes, from those at the free ones. Panics if they are fewer.
     pub fn complete(&self, free: &[f64]) -> Vec<f64> {
-        let mut all = vec![0.0; self.count()];
-        for (number, &value) in self.free().zip(&free[..self.free_count]) {
-            all[number as usize] = value;
+        let free = free[..self.free_count].iter().map(|&value| [value]);
+        self.complete_all(free, |value| value, |value| value).into_iter().flatten().collect()
+    }
+
+    /// The same of several fields at once, which are computed in double precision.
+    pub(crate) fn complete_all<T: Copy + Default, const N: usize>(
+        &self,
+        free: impl Iterator<Item = [T; N]>,
+        wide: fn(T) -> f64,
+        narrow: fn(f64) -> T,
+    ) -> Vec<[T; N]> {
+        let mut all = vec![[T::default(); N]; self.count()];
+        for (number, values) in self.free().zip(free) {
+            all[number as usize] = values;
         }
         let shapes = Shapes::new();
         self.constrain(|node, at, numbers| {
-            all[node] = shapes.value(at.sixths, &numbers.map(|number| all[number as usize]));
+            all[node] = shapes.values(at.sixths, |a| all[numbers[a] as usize].map(wide)).map(narrow);
         });
         all
     }
@@ -280,18 +294,15 @@ impl Levels {
     /// What holds a point; a point on a face between two cells is in the upper one, on the domain's upper faces in the
     /// last one.
     pub fn find(&self, point: DVec3) -> Held {
-        let Some((cell, f)) = self.grid.cell_and_place(point) else { return Held::Outside };
-        match self.tree.find(cell, f) {
-            Holder::Solid => Held::Solid,
-            Holder::Fluid => Held::Fluid,
-            Holder::Band(leaf, f) => {
-                let run = &self.tree.runs()[leaf.run as usize];
-                Held::Band {
-                    number: (run.cell + leaf.steps) as usize,
-                    level: run.level,
-                    xi: f * 2.0 - DVec3::ONE,
-                }
-            }
+        let Some((cell, mut f)) = self.grid.cell_and_place(point) else { return Held::Outside };
+        match self.tree.place(cell, &mut f, &mut { TreeHint::NONE }) {
+            Found::Solid => Held::Solid,
+            Found::Fluid => Held::Fluid,
+            Found::Band(place) => Held::Band {
+                number: self.tree.cell(place),
+                level: self.tree.level(place),
+                xi: f * 2.0 - DVec3::ONE,
+            },
         }
     }
 }
@@ -305,7 +316,7 @@ impl Level {
 }
 
 /// The cells of each level that hold finer ones.
-fn checked(grid: &Grid, levels: &[LevelCells], values: u64) -> Result<Vec<Vec<CellRun>>, LevelsError> {
+fn checked(resolution: UVec3, levels: &[LevelCells], values: u64) -> Result<Vec<Vec<CellRun>>, LevelsError> {
     // A cell of a finer level has a free node in the middle of its parent, which eight share at most, and 12 on the
     // edges that end there; one of level 0 has 32 that it shares. So there are more free nodes than cells.
     let enough = |cells: u64, spare: u64| match cells > values.saturating_add(spare) {
@@ -322,11 +333,11 @@ fn checked(grid: &Grid, levels: &[LevelCells], values: u64) -> Result<Vec<Vec<Ce
         return Err(LevelsError::TooMany);
     }
     check::partition(levels, &refined)?;
-    check::balance(grid.resolution, levels)?;
+    check::balance(resolution, levels)?;
     Ok(refined)
 }
 
-fn number(_: &Grid, levels: &[LevelCells]) -> Result<Vec<Level>, LevelsError> {
+fn number(levels: &[LevelCells]) -> Result<Vec<Level>, LevelsError> {
     let (mut end, mut first_run) = (0, 0);
     let mut out: Vec<Level> = Vec::with_capacity(levels.len());
     for cells in levels {

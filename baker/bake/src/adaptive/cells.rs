@@ -4,7 +4,6 @@ use super::distance_tree::{probe_place, shapes_at_probes};
 use super::fit::Targets;
 use super::lattice::{CENTRE, FineLattice, Key, LevelCell, PROBES};
 use super::measure::exact_normal;
-use super::plane_volume::plane_volume;
 use super::samples::Samples;
 use super::volume::TreeIntegrator;
 use crate::error::Error;
@@ -15,6 +14,7 @@ use glam::{DVec3, IVec3, UVec3};
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 use std::sync::LazyLock;
+use volmap_runtime::layout::FlatWall;
 use volmap_runtime::layout::serendipity::{NODES, shape_and_gradient};
 
 /// What is known of a cell.
@@ -49,6 +49,8 @@ pub struct Judge<'a, D> {
     pub radius: f64,
     /// Volume of the full ball by the rule, m^3.
     pub ball: f64,
+    /// V_plane.
+    pub wall: FlatWall,
     /// What a cell's errors may be.
     pub tolerances: Tolerances,
     /// The exact distance.
@@ -175,7 +177,7 @@ impl<D: SignedDistance> Judge<'_, D> {
         let nodes = self.lattice.nodes(cell);
         let distance = nodes.map(|key| known.distance.at(key));
         let volume = nodes.map(|key| known.volume.at(key));
-        let difference = std::array::from_fn(|a| volume[a] - self.plane_volume(distance[a]));
+        let difference = std::array::from_fn(|a| volume[a] - self.wall.volume(distance[a]));
         let plain = self.errors(cell, &CellFields { distance, volume, weights: [0.0; 8] }, known);
         let plane = self.errors(cell, &CellFields { distance, volume: difference, weights: [1.0; 8] }, known);
         let can_split = cell.level < self.lattice.finest();
@@ -192,11 +194,6 @@ impl<D: SignedDistance> Judge<'_, D> {
         })
     }
 
-    /// V_plane, m^3, at a distance in metres.
-    pub fn plane_volume(&self, distance: f64) -> f64 {
-        plane_volume(distance, self.radius, self.ball)
-    }
-
     /// Largest errors of a cell with these fields at its midpoints.
     pub fn errors(&self, cell: LevelCell, fields: &CellFields, known: &Known) -> Errors {
         let mut errors = Errors::default();
@@ -209,7 +206,7 @@ impl<D: SignedDistance> Judge<'_, D> {
             let sum = |values: &[f64; NODES]| shape.iter().zip(values).map(|(n, v)| n * v).sum::<f64>();
             let distance = sum(&fields.distance);
             let weight: f64 = WEIGHTS[at].iter().zip(&fields.weights).map(|(n, w)| n * w).sum();
-            let plane = if weight == 0.0 { 0.0 } else { weight * self.plane_volume(distance) };
+            let plane = if weight == 0.0 { 0.0 } else { weight * self.wall.volume(distance) };
             let miss = (plane + sum(&fields.volume) - known.volume.at(key)).abs();
             errors.volume = errors.volume.max(miss / (self.tolerances.volume * self.ball));
             if exact <= self.radius {
@@ -237,7 +234,7 @@ impl<D: SignedDistance> Judge<'_, D> {
         for (at, key) in self.lattice.probes(cell).into_iter().enumerate() {
             let weight: f64 = WEIGHTS[at].iter().zip(weights).map(|(n, w)| n * w).sum();
             let phi = SHAPES[at].iter().zip(distance).map(|(n, phi)| n * phi).sum();
-            let plane = if weight == 0.0 { 0.0 } else { weight * self.plane_volume(phi) };
+            let plane = if weight == 0.0 { 0.0 } else { weight * self.wall.volume(phi) };
             targets.values[at] = known.volume.at(key) - plane;
             if !self.counts(known.distance.at(key)) {
                 targets.weights[at] = REST;

@@ -185,11 +185,6 @@ impl DistanceTree {
         Leaf { level, content, number: entry.0 >> 2 }
     }
 
-    /// Number of leaves with a polynomial.
-    pub fn leaves(&self) -> usize {
-        self.polynomials.len()
-    }
-
     /// Cells of level 0.
     pub(super) fn resolution(&self) -> UVec3 {
         self.lattice.grid().resolution

@@ -9,9 +9,7 @@ use crate::volume_map::quadrature::{Rule, along_curve};
 use crate::watch::Work;
 use glam::DVec3;
 use rayon::prelude::*;
-use super::settle::Settled;
-use volmap_runtime::layout::{CornerWeights, Held};
-use volmap_runtime::layout::serendipity::shape_and_gradient;
+use volmap_runtime::VolumeMap;
 
 /// Points at which the exact volume is integrated: as many at random as where the error looks largest.
 const POINTS: usize = 150;
@@ -43,9 +41,9 @@ impl<D: SignedDistance> Reference<'_, D> {
     ///
     /// # Errors
     /// Cancelled.
-    pub fn errors(&self, map: &TempMap, work: &Work) -> Result<MapErrors, Error> {
+    pub fn errors(&self, map: &VolumeMap, work: &Work) -> Result<MapErrors, Error> {
         let ball = 4.0 / 3.0 * std::f64::consts::PI * self.radius.powi(3);
-        let looks = |x: &DVec3| (map.at(*x).2 - self.estimate.volume(*x)).abs();
+        let looks = |x: &DVec3| (map.values(*x).volume - self.estimate.volume(*x)).abs();
         let mut order: Vec<(f64, usize)> =
             self.points.par_iter().enumerate().skip(POINTS).map(|(n, x)| (looks(x), n)).collect();
         order.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
@@ -54,19 +52,19 @@ impl<D: SignedDistance> Reference<'_, D> {
         let points: Vec<DVec3> = self.points[..random].iter().copied().chain(worst).collect();
         let exact = integrals(self.phi, &along_curve(self.rule.points()), self.radius, &points, work)?;
         let errors: Vec<f64> =
-            points.iter().zip(exact).map(|(x, exact)| (map.at(*x).2 - exact).abs() / ball).collect();
+            points.iter().zip(exact).map(|(x, exact)| (map.values(*x).volume - exact).abs() / ball).collect();
         let volume = MeasuredError { points: points.len(), ..MeasuredError::of(&errors, &errors[..random]) };
         let (distance, normal) = self.of_surface(map);
         Ok(MapErrors { volume, distance, normal })
     }
 
     /// Of distance and normal.
-    fn of_surface(&self, map: &TempMap) -> (MeasuredError, MeasuredError) {
+    fn of_surface(&self, map: &VolumeMap) -> (MeasuredError, MeasuredError) {
         let error = |x: &DVec3| {
             let exact = self.phi.at(*x);
-            let near = map.at(*x);
-            let of_distance = (near.0 - exact).abs() / self.radius;
-            (exact <= self.radius).then(|| (of_distance, self.normal_error(*x, near.1)))
+            let near = map.sample(*x).near()?;
+            let of_distance = (near.distance - exact).abs() / self.radius;
+            (exact <= self.radius).then(|| (of_distance, self.normal_error(*x, near.normal)))
         };
         let found: Vec<(f64, Option<f64>)> = self.points.par_iter().filter_map(error).collect();
         let distances: Vec<f64> = found.iter().map(|(distance, _)| *distance).collect();
@@ -93,30 +91,4 @@ pub(super) fn exact_normal(phi: &impl SignedDistance, x: DVec3, radius: f64) -> 
     let slope = |axis: DVec3| (phi.at(x + step * axis) - phi.at(x - step * axis)) / (2.0 * step);
     let gradient = DVec3::from(DVec3::AXES.map(slope));
     ((gradient.length() - 1.0).abs() < KINK).then(|| gradient.normalize())
-}
-
-/// temp until the runtime answers
-pub struct TempMap<'a> { s: &'a Settled, phi: Vec<f64>, vol: Vec<f64>, w: CornerWeights, nodes: Vec<[u32; 32]>, r: f64, ball: f64, solid_out: bool }
-impl<'a> TempMap<'a> {
-    pub fn new(s: &'a Settled, r: f64, ball: f64, solid_out: bool) -> Self {
-        let f = |v: &Vec<f64>| s.layout.complete(&v.iter().map(|x| f64::from(*x as f32)).collect::<Vec<_>>());
-        TempMap { s, phi: f(&s.distance), vol: f(&s.volume), w: s.layout.complete_weights(&s.weights), nodes: s.layout.cells().map(|c| c.nodes).collect(), r, ball, solid_out }
-    }
-    pub fn at(&self, x: DVec3) -> (f64, DVec3, f64) {
-        match self.s.layout.find(x) {
-            Held::Band { number, level: _, xi } => {
-                let (n, g) = shape_and_gradient(xi);
-                let nodes = &self.nodes[number];
-                let sum = |v: &Vec<f64>| nodes.iter().zip(n).map(|(k, n)| n * v[*k as usize]).sum::<f64>();
-                let grad: DVec3 = nodes.iter().zip(g).map(|(k, g)| g * self.phi[*k as usize]).sum();
-                let c = self.w.palette[self.w.of_cell[number] as usize];
-                let w: f64 = super::cells::trilinear(xi).iter().zip(c).map(|(a, b)| a * b).sum();
-                let phi = sum(&self.phi);
-                (phi, grad.normalize_or_zero(), sum(&self.vol) + w * super::plane_volume::plane_volume(phi, self.r, self.ball))
-            }
-            Held::Solid => (f64::NEG_INFINITY, DVec3::ZERO, self.ball),
-            Held::Fluid => (f64::INFINITY, DVec3::ZERO, 0.0),
-            Held::Outside => (if self.solid_out { f64::NEG_INFINITY } else { f64::INFINITY }, DVec3::ZERO, if self.solid_out { self.ball } else { 0.0 }),
-        }
-    }
 }

@@ -108,7 +108,7 @@ impl<D: SignedDistance> Judge<'_, D> {
         let distance: Vec<f64> = layout.free().map(|node| known.distance.at(keys[node as usize])).collect();
         let all = layout.complete(&distance);
         let difference = |(node, key): (usize, &Key)| {
-            let plane = if at_nodes[node] == 0.0 { 0.0 } else { at_nodes[node] * self.plane_volume(all[node]) };
+            let plane = if at_nodes[node] == 0.0 { 0.0 } else { at_nodes[node] * self.wall.volume(all[node]) };
             known.volume.at(*key) - plane
         };
         let differences: Vec<f64> = keys.par_iter().enumerate().map(difference).collect();

@@ -7,7 +7,7 @@
 use super::number::{LevelNodes, NodeRow};
 use super::rows::Rows;
 use crate::layout::nodes::{Family, NodeInterval};
-use crate::layout::serendipity::{self, NODES};
+use crate::layout::serendipity;
 use glam::DVec3;
 
 /// A node whose values are those of a cell of the next coarser level.
@@ -68,8 +68,8 @@ fn coarse_rows(family: Family, row: &NodeRow, coarse: &Rows) -> Vec<CoarseRow> {
     out
 }
 
-/// The coarse cells along an axis whose closed range holds the fine lattice point; the fine cell that starts there if
-/// the point stands for nodes on the edge `between` it and the next.
+/// The coarse cells along an axis whose closed range holds a point of the finer lattice, or, of families whose nodes
+/// are not `at_corner` but within the edge from there to the next point, those nodes.
 fn holders(point: u32, at_corner: bool) -> impl Iterator<Item = u32> {
     let upper = point / 2;
     let lower = if at_corner && point % 2 == 0 { upper.saturating_sub(1) } else { upper };
@@ -134,12 +134,17 @@ impl Shapes {
         Shapes((0..343).map(|n| if on_surface(n) { weights(n) } else { Vec::new() }).collect())
     }
 
-    /// The polynomial of a cell's values there.
-    pub fn value(&self, sixths: [u8; 3], values: &[f64; NODES]) -> f64 {
-        self.parts(sixths).map(|(a, part)| part * values[a]).sum()
+    /// The polynomials of a cell's values there.
+    pub fn values<const N: usize>(&self, sixths: [u8; 3], value: impl Fn(usize) -> [f64; N]) -> [f64; N] {
+        let mut sum = [0.0; N];
+        for (a, weight) in self.parts(sixths) {
+            let value = value(a);
+            (0..N).for_each(|n| sum[n] += weight * value[n]);
+        }
+        sum
     }
 
-    /// The nodes of the cell that it depends on, and their parts.
+    /// The nodes of the cell that they depend on, and their parts.
     pub fn parts(&self, sixths: [u8; 3]) -> impl Iterator<Item = (usize, f64)> + '_ {
         let [x, y, z] = sixths.map(usize::from);
         self.0[x + 7 * y + 49 * z].iter().copied()

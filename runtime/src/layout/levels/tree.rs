@@ -2,8 +2,7 @@
 //! holds finer ones a block of its eight children.
 
 use super::rows::{Rows, parents};
-use crate::grid::Grid;
-use crate::layout::cells::Starts;
+use crate::layout::cells::{Found, Place, Starts};
 use crate::layout::nodes::row_table;
 use glam::{DVec3, UVec3};
 use volmap_formats::asset::{CellRun, LevelCells};
@@ -19,7 +18,8 @@ pub(super) const MOST: usize = 1 << 30;
 /// Finds cells.
 #[derive(Clone, Debug)]
 pub(crate) struct Tree {
-    grid: Grid,
+    /// Rows of level 0 along y.
+    rows_y: u32,
     /// Per row of level 0, first entry in `roots`; one more at the end.
     row_start: Vec<u32>,
     roots: Vec<Root>,
@@ -48,20 +48,22 @@ pub(crate) struct LeafRun {
     pub bases: [u32; 12],
 }
 
-/// A cell of the band: its run and the cells before it there.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Leaf {
-    pub run: u32,
-    pub steps: u32,
+/// The cell that held the last point: the next one's, often.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct TreeHint {
+    /// That of level 0.
+    cell: UVec3,
+    /// Its part that the cell is.
+    low: DVec3,
+    high: DVec3,
+    scale: f64,
+    place: Place,
 }
 
-/// What holds a point.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Holder {
-    /// The place in the cell, 0 to 1 along each axis.
-    Band(Leaf, DVec3),
-    Solid,
-    Fluid,
+impl TreeHint {
+    /// Fits no cell.
+    pub const NONE: TreeHint =
+        TreeHint { cell: UVec3::ZERO, low: DVec3::ZERO, high: DVec3::ZERO, scale: 1.0, place: Place::NONE };
 }
 
 /// The cells of each level that hold listed ones of finer levels.
@@ -76,7 +78,12 @@ pub(super) fn refined(levels: &[LevelCells]) -> Vec<Vec<CellRun>> {
 
 impl Tree {
     /// `refined` is that of the levels, which are checked; there are fewer than [`MOST`] of all.
-    pub fn new(grid: Grid, levels: &[LevelCells], refined: &[Vec<CellRun>], runs: Vec<LeafRun>) -> Tree {
+    pub fn new(
+        resolution: UVec3,
+        levels: &[LevelCells],
+        refined: &[Vec<CellRun>],
+        runs: Vec<LeafRun>,
+    ) -> Tree {
         let count = refined.iter().flatten().map(|run| run.len as usize).sum();
         let mut blocks = vec![[FLUID; 8]; count];
         let (mut run, mut block) = (0, 0);
@@ -101,8 +108,13 @@ impl Tree {
             }
             before = Some((Rows::new(refined), own));
         }
-        let (row_start, roots) = root_rows(grid.resolution, roots);
-        Tree { grid, row_start, roots, blocks, runs }
+        let (row_start, roots) = root_rows(resolution, roots);
+        Tree { rows_y: resolution.y, row_start, roots, blocks, runs }
+    }
+
+    /// Levels up to the finest one that has cells of the band, at least 1.
+    pub fn levels(&self) -> u32 {
+        self.runs.last().map_or(1, |run| run.level + 1)
     }
 
     pub fn runs(&self) -> &[LeafRun] {
@@ -117,42 +129,75 @@ impl Tree {
             + size_of_val(self.runs.as_slice())
     }
 
-    /// What holds a point of the domain: `cell` is that of level 0, `f` the place in it.
+    /// What holds a point of the domain: `cell` is that of level 0, `f` the place in it, which becomes that in the cell
+    /// of the band.
     #[inline(always)]
-    pub fn find(&self, cell: UVec3, f: DVec3) -> Holder {
-        let row = (cell.y + self.grid.resolution.y * cell.z) as usize;
+    pub fn place(&self, cell: UVec3, f: &mut DVec3, hint: &mut TreeHint) -> Found {
+        if cell == hint.cell && f.cmpge(hint.low).all() && f.cmplt(hint.high).all() {
+            // Exact, as every step below is.
+            *f = (*f - hint.low) * hint.scale;
+            return Found::Band(hint.place);
+        }
+        let whole = *f;
+        let found = self.descend(self.root(cell), cell.x, f);
+        if let Found::Band(place) = found {
+            let scale = self.scale(place);
+            let low = whole - *f / scale;
+            *hint = TreeHint { cell, low, high: low + 1.0 / scale, scale, place };
+        }
+        found
+    }
+
+    /// Entry of a cell of level 0.
+    #[inline(always)]
+    fn root(&self, cell: UVec3) -> u32 {
+        let row = (cell.y + self.rows_y * cell.z) as usize;
         let roots = &self.roots[self.row_start[row] as usize..self.row_start[row + 1] as usize];
-        let root = match roots.get(roots.partition_point(|root| root.end <= cell.x)) {
-            Some(root) if root.first <= cell.x => root,
-            _ => return Holder::Fluid,
-        };
-        let entry = if root.entry & BLOCK == 0 || root.entry >= SOLID {
-            root.entry
-        } else {
-            root.entry + (cell.x - root.first)
-        };
-        self.descend(entry, cell.x, f)
+        match roots.get(roots.partition_point(|root| root.end <= cell.x)) {
+            Some(root) if root.first > cell.x => FLUID,
+            Some(root) if root.entry & BLOCK != 0 && root.entry < SOLID => root.entry + (cell.x - root.first),
+            Some(root) => root.entry,
+            None => FLUID,
+        }
     }
 
     #[inline(always)]
-    fn descend(&self, mut entry: u32, mut x: u32, mut f: DVec3) -> Holder {
+    fn descend(&self, mut entry: u32, mut x: u32, f: &mut DVec3) -> Found {
         while entry & BLOCK != 0 {
             if entry >= SOLID {
-                return if entry == SOLID { Holder::Solid } else { Holder::Fluid };
+                return if entry == SOLID { Found::Solid } else { Found::Fluid };
             }
             // Exact: doubling, and subtracting 1 from numbers of 1 to 2.
-            f *= 2.0;
+            *f *= 2.0;
             let upper = f.cmpge(DVec3::ONE);
-            f -= DVec3::select(upper, DVec3::ONE, DVec3::ZERO);
+            *f -= DVec3::select(upper, DVec3::ONE, DVec3::ZERO);
             x = 2 * x + (upper.bitmask() & 1);
             entry = self.blocks[(entry ^ BLOCK) as usize][upper.bitmask() as usize];
         }
-        Holder::Band(Leaf { run: entry, steps: x - self.runs[entry as usize].first }, f)
+        Found::Band(Place { run: entry, steps: x - self.runs[entry as usize].first })
     }
 
     #[inline(always)]
-    pub fn starts(&self, leaf: Leaf) -> Starts {
-        Starts::advanced(self.runs[leaf.run as usize].bases, leaf.steps)
+    pub fn starts(&self, place: Place) -> Starts {
+        Starts::advanced(self.runs[place.run as usize].bases, place.steps)
+    }
+
+    /// Number of a cell of the band.
+    #[inline(always)]
+    pub fn cell(&self, place: Place) -> usize {
+        (self.runs[place.run as usize].cell + place.steps) as usize
+    }
+
+    /// Cells of its level along the edge of one of level 0.
+    #[inline(always)]
+    pub fn scale(&self, place: Place) -> f64 {
+        f64::from(1u32 << self.level(place))
+    }
+
+    /// Level of a cell of the band.
+    #[inline(always)]
+    pub fn level(&self, place: Place) -> u32 {
+        self.runs[place.run as usize].level
     }
 }
 
