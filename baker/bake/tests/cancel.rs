@@ -11,7 +11,8 @@ use volmap_bake::density_map::DensitySettings;
 use volmap_bake::input::{Input, InputSettings, from_bytes};
 use volmap_bake::iso_surface::iso_surface;
 use volmap_bake::plan::Extent;
-use volmap_bake::settings::{GridChoice, MapSettings};
+use volmap_bake::settings::{GridChoice, MapSettings, Tolerances};
+use volmap_bake::volume_map::quadrature::Rule;
 use volmap_bake::watch::{Cancel, Watch};
 use volmap_runtime::VolumeMap;
 
@@ -75,14 +76,29 @@ fn bakes_end_at_any_step() {
 
 #[test]
 fn searches_end_at_any_step() {
+    let grid = GridChoice::Tolerance(Tolerances::of_volume(0.2));
+    let density = DensitySettings { rule: Rule::Chord(4), ..DensitySettings::default() };
+    // With a density the cells have one size.
     let map =
-        MapSettings { support_radius: Some(0.4), grid: GridChoice::Tolerance(Tolerances::of_volume(0.2)), ..MapSettings::default() };
+        MapSettings { support_radius: Some(0.4), grid, density: Some(density), ..MapSettings::default() };
     let settings = BakeSettings { map, ..BakeSettings::default() };
     let one_try = ["finding the band", "sampling the distance", "integrating the volume"];
     let before = ["examining the mesh", "building the tree", "measuring the exact volume"];
     let found = bake(notched(), &settings, &Watch::default()).unwrap().summary.tolerance.unwrap();
-    let steps = [&before[..], &one_try.repeat(found.tried.len())].concat();
+    let steps = [&before[..], &one_try.repeat(found.tried.len()), &["computing the density"; 3]].concat();
     cancelled_at_each_step(&steps, |watch| Ok(bake(notched(), &settings, watch)?.asset));
+}
+
+#[test]
+fn adaptive_bakes_end_at_any_step() {
+    let grid = GridChoice::Tolerance(Tolerances::of_volume(0.2));
+    let map = MapSettings { support_radius: Some(0.4), grid, ..MapSettings::default() };
+    let settings = BakeSettings { map, ..BakeSettings::default() };
+    let before = ["examining the mesh", "building the tree", "measuring the exact volume"];
+    let round = ["sampling the distance", "integrating the volume", "measuring the exact volume"];
+    cancelled_at_each_step(&[&before[..], &round].concat(), |watch| {
+        Ok(bake(notched(), &settings, watch)?.asset)
+    });
 }
 
 #[test]
