@@ -71,8 +71,10 @@ struct Measured {
     gap: Option<f64>,
 }
 
-fn measure(point: DVec3, phi: &BoundaryDistance, cell: f64) -> Option<Measured> {
-    let closest = phi.mesh.closest(point);
+fn measure(fold: Fold, phi: &BoundaryDistance, cell: f64) -> Option<Measured> {
+    // Moved by the thickness, and by rounding at most.
+    let bound = (fold.distance.abs() + phi.thickness.abs()) * (1.0 + 1e-9);
+    let closest = phi.mesh.closest_within(fold.place, bound);
     // On an edge of the surface every ball is small.
     if closest.feature != Feature::Face {
         return None;
@@ -87,8 +89,15 @@ fn measure(point: DVec3, phi: &BoundaryDistance, cell: f64) -> Option<Measured> 
     (wall.is_some() || gap.is_some()).then_some(Measured { place: closest.point, wall, gap })
 }
 
-/// Nodes at folds of the distance that are no deeper than half a cell.
-fn folds(grid: &Grid, nodes: &Nodes, distances: &[f64]) -> Vec<DVec3> {
+/// A node at a fold of the distance.
+#[derive(Clone, Copy)]
+struct Fold {
+    place: DVec3,
+    distance: f64,
+}
+
+/// Nodes at folds that are no deeper than half a cell.
+fn folds(grid: &Grid, nodes: &Nodes, distances: &[f64]) -> Vec<Fold> {
     let along = |(family, axis): (Family, usize)| {
         // By the lower end of each edge, the first of its two inner nodes.
         let mut thirds = vec![NONE; nodes.count_of(Family::Corner)];
@@ -117,7 +126,7 @@ struct Line<'a> {
 impl Line<'_> {
     /// The node at a fold that begins in an edge, after which the inner nodes from `next` on follow, if there are any.
     /// Each fold once: between nodes 1 and 2, 2 and 3, or 3 and 4 of the line.
-    fn fold(&self, edge: &CellEdge, next: u32) -> Option<DVec3> {
+    fn fold(&self, edge: &CellEdge, next: u32) -> Option<Fold> {
         let cell = self.grid.cell_size;
         let (steep, depth) = (SLOPE * cell[self.axis] / 3.0, 0.5 * cell.max_element());
         let (count, after) = if next == NONE { (1, [edge.upper; 2]) } else { (3, [next, next + 1]) };
@@ -131,6 +140,6 @@ impl Line<'_> {
         let at = first + if values[first + 1].abs() <= values[first + 2].abs() { 1 } else { 2 };
         let mut place = self.grid.origin + DVec3::from(edge.corner.map(f64::from)) * cell;
         place[self.axis] += at as f64 / 3.0 * cell[self.axis];
-        Some(place)
+        Some(Fold { place, distance: values[at] })
     }
 }

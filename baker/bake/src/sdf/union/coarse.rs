@@ -42,7 +42,7 @@ pub struct CoarseLeaf {
 impl CoarseLeaf {
     /// Of a block of the tree.
     pub fn new(block: &TriangleBlock, index: usize, bvh: &Bvh, tolerance: f64) -> CoarseLeaf {
-        let count = bvh.coarse[index].triangles().len();
+        let count = bvh.leaves.coarse[index].triangles().len();
         let local = |v: Vec4| {
             let (centre, scale) = (Vec4::splat(bvh.frame.centre), wide::f64x4::splat(bvh.frame.scale));
             (v - centre).scale(scale)
