@@ -43,8 +43,8 @@ pub struct Import {
 ///
 /// # Errors
 /// A file that can't be read, isn't such a map or is damaged; one that has no volume, or none near the surface; one
-/// whose border is fluid and solid, without a word on what is outside; one that holds a density or another field instead
-/// of a volume; a radius that isn't a length.
+/// whose border is fluid and solid, without a word on what is outside; one that holds a density or another field
+/// instead of a volume; a radius that isn't a length.
 pub fn import(path: &Path, settings: &ImportSettings) -> Result<Import, Error> {
     let r = settings.support_radius;
     if !(r > 0.0 && r.is_finite() && (r * r * r).is_normal()) {

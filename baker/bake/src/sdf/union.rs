@@ -121,8 +121,8 @@ struct Hidden {
 }
 
 impl Arrangement<'_> {
-    /// What overlaps, and the union's surface where that isn't the mesh itself, from [`contacts`]. `nested` says that parts lie inside
-    /// others, which may touch nothing.
+    /// What overlaps, and the union's surface where that isn't the mesh itself, from [`contacts`]. `nested` says that
+    /// parts lie inside others, which may touch nothing.
     pub fn union(&self, contacts: &Contacts, nested: bool) -> (Overlaps, Option<UnionSurface>) {
         let place = contacts.place.map(|place| place.to_array());
         let overlaps =
