@@ -239,7 +239,8 @@ fn check_is_volume(distances: &[f64], values: &[f64], r: f64) -> Result<(), Stri
     let largest = values.iter().copied().fold(0.0, f64::max);
     let smallest = values.iter().copied().fold(0.0, f64::min);
     let is_deep = distances.iter().any(|d| *d <= -r);
-    let kind = "it is probably a density map or a tube map of SPlisHSPlasH, which holds no volume: bake the mesh instead";
+    let kind = "it is probably a density map or a tube map of SPlisHSPlasH, which holds no volume: \
+     bake the mesh instead";
     if smallest < -1e-3 * ball {
         return Err(format!(
             "its second field is {} in places, and a volume is not negative; {kind}",

@@ -20,8 +20,8 @@ const NOTHING: f64 = 1e-6;
 /// Directions along the surface in which the solid is looked for.
 const AROUND: usize = 8;
 
-/// Width, metres, of the rod at a place in it or beside it, whose surface is the closest there at `surface`, if there is
-/// one and it is below `reach`: twice the largest depth. None where the surface is moved by a thickness, too.
+/// Width, metres, of the rod at a place in it or beside it, whose surface is the closest there at `surface`, if there
+/// is one and it is below `reach`: twice the largest depth. None where the surface is moved by a thickness, too.
 pub fn rod_width(phi: &BoundaryDistance, place: DVec3, surface: DVec3, reach: f64) -> Option<f64> {
     let inwards = (surface - place).try_normalize().filter(|_| phi.thickness == 0.0)?;
     let is_inside = |p: DVec3| phi.at(p) < 0.0;

@@ -1,5 +1,5 @@
-//! Walls, gaps and rods thinner than a cell, found in the distances at the nodes: along an edge of a cell, the distance then
-//! rises and falls again within less than a cell, or falls and rises. That is seen at no cost; `width` tells whether
+//! Walls, gaps and rods thinner than a cell, found in the distances at the nodes: along an edge of a cell, the distance
+//! then rises and falls again within less than a cell, or falls and rises. That is seen at no cost; `width` tells whether
 //! it is a wall, a gap, or only an edge of the surface, `rod` whether that is a rod's.
 
 use glam::DVec3;
@@ -18,8 +18,8 @@ use super::width::touching_ball;
 const SLOPE: f64 = 0.5;
 /// Folds are no deeper than that, in cells.
 const DEPTH: f64 = 0.5;
-/// The same beside a rod, which lines may pass at half a cell, with no node nearer than a sixth of a cell along them, and
-/// whose side may be flat for nearly a cell.
+/// The same beside a rod, which lines may pass at half a cell, with no node nearer than a sixth of a cell along them,
+/// and whose side may be flat for nearly a cell.
 const ROD_SLOPE: f64 = 0.1;
 const ROD_DEPTH: f64 = 0.6;
 /// Folds that are measured, at most; of more, as many spread evenly.

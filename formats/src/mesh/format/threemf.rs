@@ -384,7 +384,8 @@ fn check_extensions(tag: &BytesStart) -> Result<(), MeshError> {
             return Err(MeshError::unsupported(
                 NAME,
                 format!("the required extension {}", show_long(name)),
-                "export the model as plain triangles: without beam lattices, slices, volumes, implicit shapes and encryption",
+                "export the model as plain triangles: without beam lattices, slices, volumes, implicit shapes \
+                 and encryption",
             ));
         }
     }
