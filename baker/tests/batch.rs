@@ -428,7 +428,8 @@ fn a_unit_that_is_not_meant_is_told_with_the_parameter_that_was_given() {
     place.write("meshes/flange.obj", &format!("{corners}f {faces}"));
     let manifest = "[[assets]]\nmesh = \"meshes/*.obj\"\nbake = { particle_radius = 0.0025 }\n";
     place.write("assets.toml", &format!("version = 1\n{manifest}"));
-    let says = "the mesh is 1,000 m long, 100,000 support radii; if its numbers are millimetres, give `unit` mm (1 m then)";
+    let says = "the mesh is 1,000 m long, 100,000 support radii; if its numbers are millimetres, give `unit` \
+     mm (1 m then)";
     let (code, text) = place.batch("out", &["--check"]);
     assert!(
         code == Some(1) && text.contains(&format!("cannot bake    flange: {says}: particle_radius: ")),

@@ -208,8 +208,8 @@ fn what_is_left_out_is_named() {
                0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n5\n6\n3 2 1 0\n";
     assert_eq!(
         notes(ply.as_bytes(), MeshFormat::Ply),
-        "the element `patch` (2 of them) is not read: left out\n9 bytes after the last element that the header announces \
-         are left out"
+        "the element `patch` (2 of them) is not read: left out\n9 bytes after the last element that the header \
+         announces are left out"
     );
 }
 

@@ -78,7 +78,8 @@ fn a_mesh_in_millimetres_is_told_with_its_length_and_unit() {
     std::fs::write(file("large.toml"), text_of).unwrap();
     let done = volmap_sim(folder.path()).arg("check").arg(file("large.toml")).assert().code(1);
     let told = text(&done.get_output().stderr);
-    let says = "the mesh is 1,000 m long, 10,000 support radii; if its numbers are millimetres, give `unit` mm (1 m then)";
+    let says = "the mesh is 1,000 m long, 10,000 support radii; if its numbers are millimetres, give `unit` \
+     mm (1 m then)";
     assert!(told.contains(says), "{told}");
 }
 

@@ -1,8 +1,8 @@
-//! Folders of baked maps that are kept for the next time: the simulations' and those of batches. Nothing in them is ever
-//! needed: what is gone is baked again.
+//! Folders of baked maps that are kept for the next time: the simulations' and those of batches. Nothing in them is
+//! ever needed: what is gone is baked again.
 //!
-//! Only finished maps are listed and removed, by the names that the programs give them; a map that is being written has no
-//! such name yet, and one that is open stays readable.
+//! Only finished maps are listed and removed, by the names that the programs give them; a map that is being written has
+//! no such name yet, and one that is open stays readable.
 
 use crate::error::Error;
 use std::path::{Path, PathBuf};
@@ -32,8 +32,8 @@ pub fn default_folder() -> PathBuf {
     found.unwrap_or_else(std::env::temp_dir).join("volmap")
 }
 
-/// The maps in a folder and, of a batch's cache, in its folders of two digits; the oldest first. None if the folder isn't
-/// there.
+/// The maps in a folder and, of a batch's cache, in its folders of two digits; the oldest first. None if the folder
+/// isn't there.
 ///
 /// # Errors
 /// A folder that can't be read.

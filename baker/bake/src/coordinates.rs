@@ -10,8 +10,8 @@ const DISTINCT: usize = 4;
 /// Part of a step by which a multiple may be off.
 const OFF: f64 = 1e-4;
 
-/// Largest step of the coordinates along an axis, in the file's unit, if they look rounded to one: all are its multiples
-/// and the largest has as many digits as single precision or a printed number of 6 or 7 digits.
+/// Largest step of the coordinates along an axis, in the file's unit, if they look rounded to one: all are its
+/// multiples and the largest has as many digits as single precision or a printed number of 6 or 7 digits.
 pub fn coordinate_step(positions: &[[f64; 3]]) -> Option<f64> {
     (0..3).filter_map(|axis| step_along(positions, axis)).reduce(f64::max)
 }

@@ -110,6 +110,9 @@ pub fn diagnosis(summary: &Summary) -> Attributes {
         ("duplicate_faces", count(cleaning.duplicates)),
         ("warnings", summary.warnings.join("\n").into()),
     ]);
+    if summary.thin.rods.count > 0 {
+        out.insert("thin_rods".into(), count(summary.thin.rods.count));
+    }
     if !found.boundary_loops.is_empty() {
         let loops = || found.boundary_loops.iter();
         let centers = loops().flat_map(|rim| rim.centroid).collect();

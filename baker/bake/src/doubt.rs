@@ -1,8 +1,8 @@
 //! How far a map can be trusted: whether it has a solid, and at what part of its nodes the sign is in doubt.
 //!
 //! Winding numbers of closed meshes are integers, and the sign is exact. Elsewhere it is a guess, which is good where
-//! the direction of the closest face says the same. So both are compared at some of the nodes, which costs little beside
-//! the bake of such a mesh.
+//! the direction of the closest face says the same. So both are compared at some of the nodes, which costs little
+//! beside the bake of such a mesh.
 
 use crate::error::Error;
 use crate::random::Random;
@@ -11,8 +11,8 @@ use crate::stage::Stage;
 use crate::watch::Watch;
 use glam::DVec3;
 
-/// Part of the nodes at which the sign may be in doubt. Measured on a duck and on cubes with holes: small holes give less
-/// than 0.3 %, wide ones, half shells and sheets 2 % to 50 % (`README.md`, "Signs").
+/// Part of the nodes at which the sign may be in doubt. Measured on a duck and on cubes with holes: small holes give
+/// less than 0.3 %, wide ones, half shells and sheets 2 % to 50 % (`README.md`, "Signs").
 pub const MAX_SIGN_DISAGREEMENTS: f64 = 0.01;
 
 /// Part of the support radius that a node must lie inside to count: sheets have nodes that rounding puts there.

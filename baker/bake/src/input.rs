@@ -112,7 +112,8 @@ pub fn from_arrays(
     Ok(cleaned(raw, source, settings)?)
 }
 
-/// The same of a shape, whose closed form is what is baked. Up axis, scale, rotation and translation place it as a mesh.
+/// The same of a shape, whose closed form is what is baked. Up axis, scale, rotation and translation place it as a
+/// mesh.
 ///
 /// # Errors
 /// A shape that there isn't, or that isn't one of its kind once it is placed.

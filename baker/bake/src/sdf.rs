@@ -3,8 +3,8 @@
 //! `bvh` finds the closest triangles of points that lie together (`packet`), `closest_point` the point and the feature
 //! of it, `pseudonormal` or `winding` the side, and `mesh_distance` puts them together. `sign` decides which of the two
 //! signs a mesh can bear, `union` which faces are its surface. `thin` finds walls and
-//! gaps that the cells can't resolve, by their `width`. `band` finds the cells near the surface, `field` samples their nodes. `brute_force` is the
-//! slow twin that the tests compare with.
+//! gaps that the cells can't resolve, by their `width`, and rods (`rod`). `band` finds the cells near the surface,
+//! `field` samples their nodes. `brute_force` is the slow twin that the tests compare with.
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
@@ -25,6 +25,7 @@ pub mod mesh_distance;
 mod oriented_box;
 mod packet;
 pub mod pseudonormal;
+mod rod;
 mod sides;
 pub mod sign;
 pub mod sign_comparison;

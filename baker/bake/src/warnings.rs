@@ -141,19 +141,20 @@ fn overlap_warning(summary: &Summary, out: &mut Vec<String>) {
 /// Lengths that the cells or the file can't resolve.
 fn size_warnings(summary: &Summary, settings: &BakeSettings, out: &mut Vec<String>) {
     let cell = summary.thin.cell;
-    for (thin, what, result) in [
-        (&summary.thin.walls, "walls thinner", "the map may leak there or miss them"),
-        (&summary.thin.gaps, "gaps narrower", "the map may close them"),
+    for (thin, what, way, result) in [
+        (&summary.thin.walls, "walls thinner", "goes through", "the map may leak there or miss them"),
+        (&summary.thin.gaps, "gaps narrower", "goes through", "the map may close them"),
+        (&summary.thin.rods, "rods thinner", "passes", "the map may miss them"),
     ] {
         if thin.count == 0 {
             continue;
         }
-        let cure = match settings.map.thickness == 0.0 && what.starts_with("walls") {
+        let cure = match settings.map.thickness == 0.0 && what.ends_with("thinner") {
             true => ", or a `thickness`, which thickens them",
             false => "",
         };
         out.push(format!(
-            "{what} than a cell ({} m): a line of the grid goes through one some {} {}, the thinnest {} m wide{}; \
+            "{what} than a cell ({} m): a line of the grid {way} one some {} {}, the thinnest {} m wide{}; \
              {result}; cells of that size resolve them (`cell_size`){cure}",
             number(cell),
             thousands(thin.count as u64),

@@ -88,8 +88,8 @@ impl RunningJob {
                 "reading and examining it took longer than its timeout of {limit} s{step}; allow more by `timeout`"
             ),
             Part::Bake => format!(
-                "its bake took longer than its timeout of {limit} s{step}; allow more by `timeout`, or take larger cells \
-                 (`cell_size`)"
+                "its bake took longer than its timeout of {limit} s{step}; allow more by `timeout`, or take larger \
+                 cells (`cell_size`)"
             ),
             Part::Report => format!(
                 "its report took longer than its report_timeout of {limit} s; allow more by `report_timeout`, or do \

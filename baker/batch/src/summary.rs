@@ -87,8 +87,8 @@ pub enum Outcome {
     Reused,
     /// The asset in the output folder is the one that is wanted.
     Unchanged,
-    /// Baked, now or before, but the map has no solid, or its signs are in doubt: the gates that hold by default. It lies
-    /// in the folder `rejected`; an older asset of its name stays as it was.
+    /// Baked, now or before, but the map has no solid, or its signs are in doubt: the gates that hold by default. It
+    /// lies in the folder `rejected`; an older asset of its name stays as it was.
     Doubtful,
     /// Baked, now or before, but a quality gate refused it. It lies in the folder `rejected`; an older asset of its
     /// name stays as it was.

@@ -43,8 +43,8 @@ pub struct Import {
 ///
 /// # Errors
 /// A file that can't be read, isn't such a map or is damaged; one that has no volume, or none near the surface; one
-/// whose border is fluid and solid, without a word on what is outside; one that holds a density or another field instead
-/// of a volume; a radius that isn't a length.
+/// whose border is fluid and solid, without a word on what is outside; one that holds a density or another field
+/// instead of a volume; a radius that isn't a length.
 pub fn import(path: &Path, settings: &ImportSettings) -> Result<Import, Error> {
     let r = settings.support_radius;
     if !(r > 0.0 && r.is_finite() && (r * r * r).is_normal()) {
@@ -241,7 +241,8 @@ fn check_is_volume(distances: &[f64], values: &[f64], r: f64) -> Result<(), Stri
     let largest = values.iter().copied().fold(0.0, f64::max);
     let smallest = values.iter().copied().fold(0.0, f64::min);
     let is_deep = distances.iter().any(|d| *d <= -r);
-    let kind = "it is probably a density map or a tube map of SPlisHSPlasH, which holds no volume: bake the mesh instead";
+    let kind = "it is probably a density map or a tube map of SPlisHSPlasH, which holds no volume: \
+     bake the mesh instead";
     if smallest < -1e-3 * ball {
         return Err(format!(
             "its second field is {} in places, and a volume is not negative; {kind}",

@@ -61,7 +61,8 @@ pub fn to_text(asset: &Asset, file_bytes: u64) -> String {
         }
     }
     // Their readers of HDF5 open an asset without an error, and show nothing.
-    let programs = "`volmap export` writes .vtkhdf and .vti for ParaView, VTK, pyvista and xarray, .ply for mesh programs";
+    let programs = "`volmap export` writes .vtkhdf and .vti for ParaView, VTK, pyvista and xarray, \
+     .ply for mesh programs";
     line(&mut out, "", "other programs", &programs.into());
     out
 }

@@ -163,8 +163,8 @@ fn no_column(header: &csv::StringRecord, name: &str) -> String {
     };
     if let Some(separator) = separator {
         return format!(
-            "no column `{name}` in `{line}`: it is parted by {separator}; write commas between the columns, and points in \
-             decimal numbers"
+            "no column `{name}` in `{line}`: it is parted by {separator}; write commas between the columns, and points \
+             in decimal numbers"
         );
     }
     if !header.is_empty() && header.iter().all(is_number) {

@@ -135,9 +135,7 @@ fn store(bytes: &[u8], out: &mut Vec<u8>) {
 #[cfg(feature = "write")]
 fn compress(bytes: &[u8], level: u32, out: &mut Vec<u8>) -> std::io::Result<()> {
     const FLUSH: usize = 16;
-    let start = out.len();
-    out.resize(start + zlib_rs::compress_bound(bytes.len()) + FLUSH, 0);
-    let length = ENCODER.with_borrow_mut(|kept| {
+    ENCODER.with_borrow_mut(|(kept, room)| {
         // A new one clears more memory than compressing a group takes.
         let encoder = match kept {
             Some((same, encoder)) if *same == level => {
@@ -146,18 +144,20 @@ fn compress(bytes: &[u8], level: u32, out: &mut Vec<u8>) -> std::io::Result<()> 
             }
             _ => &mut kept.insert((level, zlib_rs::Deflate::new(level as i32, false, 15))).1,
         };
-        let result = encoder.compress(bytes, &mut out[start..], zlib_rs::DeflateFlush::SyncFlush);
-        let is_whole = result.is_ok() && encoder.total_in() == bytes.len() as u64;
-        is_whole.then_some(encoder.total_out() as usize)
-    });
-    out.truncate(start + length.ok_or_else(|| std::io::Error::other("zlib: the compressor failed"))?);
-    Ok(())
+        room.resize(room.len().max(zlib_rs::compress_bound(bytes.len()) + FLUSH), 0);
+        let result = encoder.compress(bytes, room, zlib_rs::DeflateFlush::SyncFlush);
+        if result.is_err() || encoder.total_in() != bytes.len() as u64 {
+            return Err(std::io::Error::other("zlib: the compressor failed"));
+        }
+        out.extend(&room[..encoder.total_out() as usize]);
+        Ok(())
+    })
 }
 
 #[cfg(feature = "write")]
 thread_local! {
-    /// A thread's compressor and its level.
-    static ENCODER: RefCell<Option<(u32, zlib_rs::Deflate)>> = const { RefCell::new(None) };
+    /// A thread's compressor and its level, and the room that it writes to.
+    static ENCODER: RefCell<(Option<(u32, zlib_rs::Deflate)>, Vec<u8>)> = const { RefCell::new((None, Vec::new())) };
 }
 
 /// Undoes [`deflate`], as any zlib stream; `None` if it is damaged, or holds more than `most` bytes.

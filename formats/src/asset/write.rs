@@ -53,8 +53,8 @@ pub(super) fn encode(tree: &Tree, compression: Compression) -> Result<Vec<u8>, A
 /// The filtered chunks of each dataset, by its path.
 type Chunks<'a> = BTreeMap<&'a str, Vec<Vec<u8>>>;
 
-/// That crate writes files only. The scratch file needn't outlast a power cut, nor leave the system's cache. It loses its
-/// name as soon as it is open, so that killed programs leave nothing. (On Windows open files keep their names.)
+/// That crate writes files only. The scratch file needn't outlast a power cut, nor leave the system's cache. It loses
+/// its name as soon as it is open, so that killed programs leave nothing. (On Windows open files keep their names.)
 fn to_bytes(tree: &Tree, compression: Compression, folder: &Path) -> Result<Vec<u8>, AssetError> {
     let chunks = all_chunks(tree, compression)?;
     let write = || {

@@ -197,8 +197,8 @@ fn f32s(values: impl IntoIterator<Item = f32>) -> Vec<u8> {
     values.into_iter().flat_map(f32::to_le_bytes).collect()
 }
 
-/// The box with accessors for instances (2: three places, 3: three scales) and skins (4: joints, 5: weights, 6: two inverse
-/// bind matrices that move by 1 in x).
+/// The box with accessors for instances (2: three places, 3: three scales) and skins (4: joints, 5: weights, 6: two
+/// inverse bind matrices that move by 1 in x).
 pub fn gltf_box(nodes: &str, attributes: &str, more: &str) -> Vec<u8> {
     let buffer = gltf_buffer();
     let weights = (0..8).flat_map(|k| if k < 4 { [1.0, 0.0, 0.0, 0.0] } else { [0.5, 0.5, 0.0, 0.0] });

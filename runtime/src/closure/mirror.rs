@@ -13,9 +13,9 @@
 //! al. 2020, the term with p~ = p_i), as the derivative of a density. So forces are conservative, and under equal
 //! pressure the first layer is in equilibrium at d = rp, where the fluid pushes it as much as the image does.
 //!
-//! The wall stands back by a fortieth of rp ([`STANDS_BACK`]): d is that much more than the distance. Fluid that has come
-//! to rest is no lattice, and keeps as much farther from a wall than its volume says. Small as it is, it counts on every
-//! face of a tank and of what floats in it: without it a box of 8 rp floats a quarter of rp too high.
+//! The wall stands back by a fortieth of rp ([`STANDS_BACK`]): d is that much more than the distance. Fluid that has
+//! come to rest is no lattice, and keeps as much farther from a wall than its volume says. Small as it is, it counts on
+//! every face of a tank and of what floats in it: without it a box of 8 rp floats a quarter of rp too high.
 //!
 //! Nearer than where it is steepest, R_mirror goes on along its tangent: images never let a particle through.
 
@@ -36,8 +36,8 @@ pub(crate) struct Mirror {
     steepest: f64,
 }
 
-/// By so much a wall stands back, in rp. Measured: bodies that float in tanks of 24 to 40 rp displace the volume of their
-/// weight with it (solver/VALIDATION.md). In three dimensions; in the plane nothing floats yet.
+/// By so much a wall stands back, in rp. Measured: bodies that float in tanks of 24 to 40 rp displace the volume of
+/// their weight with it (solver/VALIDATION.md). In three dimensions; in the plane nothing floats yet.
 const STANDS_BACK: f64 = 0.025;
 
 /// Layers at most; more than these are as good as a continuum.

@@ -53,7 +53,8 @@ fn a_thick_fluid_stays_where_it_sticks() {
             let case = format!("{scene}, mu_B = {coefficient} kg/(m s)");
             of(&outcome, &case, "part of the fluid that is held at the end")
         };
-        // So thick a fluid stays on the grid by itself for the time of the short form, as it does in short explicit steps.
+        // So thick a fluid stays on the grid by itself for the time of the short form, as it does in short explicit
+        // steps.
         let least = if scene == "ball" { held(0) + 0.1 } else { held(0) };
         assert!(held(10000) > 0.6 && held(10000) >= least, "{scene}: {} {}", held(0), held(10000));
     }

@@ -12,8 +12,8 @@
 //! viscosity and the bodies' drag, to which a particle itself adds nothing, have the plain V.
 //!
 //! The slope of poly6 vanishes around its centre: by it, particles come together in pairs, and water stands an eighth
-//! too low. Müller et al. 2003, who made it, take densities by it and forces by the spiky kernel's gradient, and so does
-//! this; scaled, so that an even compression of the lattice changes the density as fast as it really does.
+//! too low. Müller et al. 2003, who made it, take densities by it and forces by the spiky kernel's gradient, and so
+//! does this; scaled, so that an even compression of the lattice changes the density as fast as it really does.
 
 use crate::settings::{BoundaryMethod, BoundaryPressure, FluidSettings, World};
 use std::f64::consts::PI;
@@ -30,6 +30,16 @@ const SOFT: f64 = 3.2;
 const DEFAULT_SPACING: f64 = 0.5;
 /// Waves along each axis among which the stiffest is looked for.
 const WAVES: i32 = 8;
+
+/// Support radii, in particle radii, with which water at rest is calm and has the pressure of its depth, if there are
+/// any (solver/VALIDATION.md, Kernels). Simulations run with others, too.
+pub fn calm_radii(kernel: KernelKind) -> Option<[f64; 2]> {
+    match kernel {
+        KernelKind::CubicSpline => Some([3.5, 4.0]),
+        KernelKind::WendlandC2 | KernelKind::Spiky => Some([3.5, 10.0]),
+        KernelKind::Poly6 => None,
+    }
+}
 
 impl World {
     /// The edge of a cube (a square) of a particle's volume, metres: the spacing of the fluid's lattice at rest. 2 rp,

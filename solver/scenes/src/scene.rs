@@ -51,9 +51,6 @@ use volmap_runtime::{ClosureKind, Dimension, KernelKind};
 /// The version of the format that this program reads.
 pub const VERSION: u32 = 1;
 
-/// Support radii in particle radii from which on water at rest has the pressure of its depth (solver/VALIDATION.md).
-const LEAST_RADII: f64 = 3.5;
-
 /// A scene for volmap-sim, version 1. Lengths in metres, times in seconds, masses in kilograms, angles in
 /// degrees; files are named relative to the scene's own file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -64,11 +61,11 @@ pub struct Scene {
     pub version: u32,
     /// Radius of the fluid's particles, metres: half of their spacing.
     pub particle_radius: f64,
-    /// Support radius of the kernel, metres, 3.5 to 10 particle radii. Maps must be baked for it. Default: 4 particle
-    /// radii.
+    /// Support radius of the kernel, metres: 3.5 to 4 particle radii of `cubic_spline`, to 10 of others. Maps must be
+    /// baked for it. Default: 4 particle radii.
     #[serde(default)]
     pub support_radius: Option<f64>,
-    /// SPH kernel.
+    /// SPH kernel; water doesn't stay at rest with `poly6`, which is refused.
     #[serde(default)]
     pub kernel: KernelKind,
     /// How the fluid sees bodies.
@@ -211,16 +208,7 @@ impl Scene {
                 .problem("version", format!("{} is not known; this program reads {VERSION}", self.version)));
         }
         top.within("particle_radius", self.particle_radius, [1e-6, 1e3])?;
-        let ratio = self.support_radius() / self.particle_radius;
-        if !(LEAST_RADII * (1.0 - 1e-9)..=10.0).contains(&ratio) {
-            let reason = format!(
-                "{} m is {ratio:.2} particle radii; kernel {} needs {LEAST_RADII} to 10, as a rule 4: with fewer \
-                 neighbours water at rest hasn't the pressure of its depth",
-                self.support_radius(),
-                self.kernel
-            );
-            return Err(top.problem("support_radius", reason));
-        }
+        check::kernel(&top, self)?;
         top.vector("gravity", self.gravity)?;
         if let Some(domain) = &self.domain {
             domain.check(&top.key("domain"))?;

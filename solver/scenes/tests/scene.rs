@@ -85,7 +85,8 @@ fn toml_and_json_are_the_same() {
     }
 }
 
-/// The table of parameters is that of `volmap bake`; each row is a key here too, but for the shape, which is the body's.
+/// The table of parameters is that of `volmap bake`; each row is a key here too, but for the shape, which is the
+/// body's.
 #[test]
 fn every_parameter_of_a_bake_is_a_key() {
     for row in TABLE.iter().filter(|row| row.name != "shape") {
@@ -167,6 +168,17 @@ fn values_out_of_range_are_named_and_placed() {
             "0.025",
             "0.025\nkernel = \"spiky\"\nsupport_radius = 0.075",
             "0.075 m is 3.00 particle radii; kernel spiky needs 3.5 to 10",
+        ),
+        (
+            "0.025",
+            "0.025\nkernel = \"poly6\"",
+            "s.toml:4:1: kernel: water doesn't stay at rest with poly6; take cubic_spline, wendland_c2 or spiky",
+        ),
+        (
+            "0.025",
+            "0.025\nsupport_radius = 0.1125",
+            "0.1125 m is 4.50 particle radii; kernel cubic_spline takes 3.5 to 4, as a rule 4: with more, water \
+             doesn't stay at rest; kernel = \"wendland_c2\" takes more",
         ),
         ("-9.81", "inf", "s.toml:4:1: gravity: inf is not a usable number"),
         ("max = [1, 1, 1]", "max = [1, 0, 1]", "s.toml:8:1: blocks[0].max: [1.0, 0.0, 1.0] is not above min"),

@@ -1,5 +1,5 @@
-//! Lines of an outline that cross or lie on each other: what they enclose twice is outside by the even-odd rule, which is
-//! seldom meant.
+//! Lines of an outline that cross or lie on each other: what they enclose twice is outside by the even-odd rule, which
+//! is seldom meant.
 
 use glam::DVec2;
 use std::collections::HashSet;

@@ -138,8 +138,8 @@ pub fn warnings(asset: &Asset, phi: &OutlineDistance) -> Vec<String> {
     if !asset.signed_distance.to_f64().iter().any(|phi| *phi < 0.0) {
         out.push(match doubled(&phi.segments) {
             Some(at) => format!(
-                "no node lies inside: the map has no solid; its lines lie on each other, as at ({}), and what is enclosed \
-                 twice is outside: delete one of each two",
+                "no node lies inside: the map has no solid; its lines lie on each other, as at ({}), and what is \
+                 enclosed twice is outside: delete one of each two",
                 place(at)
             ),
             None => "no node lies inside: the map has no solid; take smaller cells".into(),
@@ -148,8 +148,8 @@ pub fn warnings(asset: &Asset, phi: &OutlineDistance) -> Vec<String> {
     if let Some((count, at)) = crossings(&phi.segments) {
         let s = if count == 1 { "" } else { "s" };
         out.push(format!(
-            "lines cross or lie on each other at {count} place{s}, as at ({}): what is enclosed twice is outside, a hole; \
-             join outlines that overlap",
+            "lines cross or lie on each other at {count} place{s}, as at ({}): what is enclosed twice is outside, a \
+             hole; join outlines that overlap",
             place(at)
         ));
     }

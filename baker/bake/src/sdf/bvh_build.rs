@@ -8,9 +8,10 @@
 
 use glam::DVec3;
 use rayon::prelude::*;
+use std::sync::Arc;
 use wide::f32x4;
 
-use crate::sdf::bvh::{Bvh, Child, LEAF, MAX_DEPTH, NO_CHILD, Node};
+use crate::sdf::bvh::{Bvh, Child, LEAF, Leaves, MAX_DEPTH, NO_CHILD, Node};
 use crate::sdf::closest_point::TriangleBlock;
 use crate::sdf::coarse_block::CoarseBlock;
 use crate::sdf::frame::Frame;
@@ -86,7 +87,8 @@ fn build(triangles: &[[DVec3; 3]]) -> Bvh {
         children: [0, 1, 2, 3].map(|slot| child(children[slot], ranges[slot])),
     };
     let nodes = tree.children.par_iter().zip(&ranges).map(node).collect();
-    Bvh { nodes, blocks, coarse, ids, ranges, frame }
+    let built = blocks.len();
+    Bvh { nodes, leaves: Arc::new(Leaves { blocks, coarse, ids }), built, ranges, frame }
 }
 
 /// For each node and child, the blocks below it, first and past the last; both 0 where there is no child. Nodes come

@@ -97,8 +97,8 @@ impl Bvh {
     /// Takes the point of a triangle if none before was closer.
     #[inline]
     fn visit(&self, block: usize, place: usize, p: DVec3, best: &mut Closest) {
-        let corners = self.blocks[block].triangle(place);
-        let triangle = self.ids[block][place];
+        let corners = self.leaves.blocks[block].triangle(place);
+        let triangle = self.leaves.ids[block][place];
         let TrianglePoint { distance_squared, point, feature } = closest_point_on_triangle(p, &corners);
         let closer = distance_squared < best.distance_squared;
         if closer || distance_squared == best.distance_squared && triangle < best.triangle {
@@ -109,14 +109,15 @@ impl Bvh {
     /// For points so far away that the tree cannot help, or that are not numbers.
     fn closest_of_all(&self, p: DVec3) -> Closest {
         let mut best = NOTHING_FOUND;
-        for block in 0..self.blocks.len() {
+        for block in self.block_numbers() {
             (0..4).for_each(|place| self.visit(block, place, p, &mut best));
         }
         if best.triangle == NOTHING {
             // Nothing is closer than infinity.
-            let corners = self.blocks[0].triangle(0);
+            let first = self.block_numbers().min().expect("a tree has triangles");
+            let corners = self.leaves.blocks[first].triangle(0);
             let TrianglePoint { distance_squared, point, feature } = closest_point_on_triangle(p, &corners);
-            best = Closest { distance_squared, point, triangle: self.ids[0][0], feature };
+            best = Closest { distance_squared, point, triangle: self.leaves.ids[first][0], feature };
         }
         best
     }

@@ -45,52 +45,50 @@ pub struct TrianglePoint {
 }
 
 /// Closest point of the triangle `corners`, which may have no area.
+///
+/// The three edges side by side, without branches: which of them is the closest can't be guessed.
 pub fn closest_point_on_triangle(p: DVec3, corners: &[DVec3; 3]) -> TrianglePoint {
     let [a, b, c] = corners.map(|corner| corner - p);
-    let mut best = closest_on_edge(a, b, 0);
-    for (start, end, edge) in [(b, c, 1), (c, a, 2)] {
-        let candidate = closest_on_edge(start, end, edge);
-        if candidate.0 < best.0 {
-            best = candidate;
-        }
-    }
-    if let Some(offset) = projection_on_face(a, b, c)
-        && offset.length_squared() < best.0
-    {
-        best = (offset.length_squared(), offset, Feature::Face);
-    }
-    let (distance_squared, offset, feature) = best;
-    let point = match feature {
-        Feature::Vertex(i) => corners[i as usize],
-        _ => p + offset,
-    };
-    TrianglePoint { distance_squared, point, feature }
-}
-
-/// Squared distance, offset and feature of the point of the edge from `a` to `b` closest to the origin.
-fn closest_on_edge(a: DVec3, b: DVec3, edge: u8) -> (f64, DVec3, Feature) {
-    let along = b - a;
-    let t = -a.dot(along) / along.length_squared().max(f64::MIN_POSITIVE);
+    let (starts, ends) = (Vec4::from_lanes([a, b, c, c]), Vec4::from_lanes([b, c, a, a]));
+    let along = ends - starts;
+    let length_squared = along.dot(along).fast_max(f64x4::splat(f64::MIN_POSITIVE));
+    let t = -starts.dot(along) / length_squared;
     // The ends are taken as they are, so that all triangles at a vertex give one and the same distance.
-    let (offset, feature) = if t >= 1.0 {
-        (b, Feature::Vertex((edge + 1) % 3))
+    let (begun, passed) = (t.simd_gt(f64x4::ZERO), t.simd_ge(f64x4::ONE));
+    let offsets = Vec4::select(passed, ends, Vec4::select(begun, starts + along.scale(t), starts));
+    let [first, second, third, _] = offsets.dot(offsets).to_array();
+    let (edge, squared) = if second < first { (1, second) } else { (0, first) };
+    let (edge, squared) = if third < squared { (2, third) } else { (edge, squared) };
+    if let Some(offset) = projection_on_face([a, b, c], ends)
+        && offset.length_squared() < squared
+    {
+        let distance_squared = offset.length_squared();
+        return TrianglePoint { distance_squared, point: p + offset, feature: Feature::Face };
+    }
+    let t = t.as_array()[edge];
+    let (point, feature) = if t >= 1.0 {
+        (corners[(edge + 1) % 3], Feature::Vertex((edge as u8 + 1) % 3))
     } else if t > 0.0 {
-        (a + along * t, Feature::Edge(edge))
+        (p + offsets.lane(edge), Feature::Edge(edge as u8))
     } else {
-        (a, Feature::Vertex(edge))
+        (corners[edge], Feature::Vertex(edge as u8))
     };
-    (offset.length_squared(), offset, feature)
+    TrianglePoint { distance_squared: squared, point, feature }
 }
 
-/// The origin's projection onto the face, where it falls inside.
-fn projection_on_face(a: DVec3, b: DVec3, c: DVec3) -> Option<DVec3> {
+/// The origin's projection onto the face, where it falls inside; `next` are b, c, a.
+#[inline(always)]
+fn projection_on_face([a, b, c]: [DVec3; 3], next: Vec4) -> Option<DVec3> {
     let normal = (b - a).cross(c - a);
-    let weights = [normal.dot(b.cross(c)), normal.dot(c.cross(a)), normal.dot(a.cross(b))];
-    let sum = weights[0] + weights[1] + weights[2];
-    if weights.iter().any(|&w| w < 0.0) || sum <= 0.0 {
+    let after_next = Vec4::from_lanes([c, a, b, b]);
+    let weights = Vec4::splat(normal).dot(next.cross(after_next));
+    let is_outside = weights.simd_lt(f64x4::ZERO).to_bitmask() & 0b111 != 0;
+    let [u, v, w, _] = weights.to_array();
+    let sum = u + v + w;
+    if is_outside || sum <= 0.0 {
         return None;
     }
-    Some((a * weights[0] + b * weights[1] + c * weights[2]) / sum)
+    Some((a * u + b * v + c * w) / sum)
 }
 
 /// Four triangles side by side, a component of the four in one SIMD register.
@@ -159,6 +157,12 @@ impl Vec4 {
         self.x.as_mut_array()[i] = v.x;
         self.y.as_mut_array()[i] = v.y;
         self.z.as_mut_array()[i] = v.z;
+    }
+
+    /// Each vector of `yes` where the mask is set, of `no` elsewhere.
+    #[inline(always)]
+    pub fn select(mask: f64x4, yes: Vec4, no: Vec4) -> Vec4 {
+        Vec4 { x: mask.select(yes.x, no.x), y: mask.select(yes.y, no.y), z: mask.select(yes.z, no.z) }
     }
 
     /// The sum of the four.

@@ -177,7 +177,8 @@ mod tests {
         #[test]
         fn distance_is_within_its_bounds(t in prop::array::uniform4(triangle()), p in point(1.0), near in 0u32..3) {
             // Half of the points lie beside a triangle, where a wrong feature shows most.
-            let p = if near == 0 { p } else { t[0][0] + (t[0][1] - t[0][0]) * p.x * 1.2 + p * 10f64.powi(-(3 * near as i32)) };
+            let beside = t[0][0] + (t[0][1] - t[0][0]) * p.x * 1.2 + p * 10f64.powi(-(3 * near as i32));
+            let p = if near == 0 { p } else { beside };
             let frame = Frame { centre: DVec3::ZERO, scale: 1.0 };
             let block = CoarseBlock::new(&TriangleBlock::new(&t), 4, &frame);
             let local = frame.local(p).map(f32x8::splat);

@@ -13,7 +13,7 @@ use crate::sdf::lanes::LANES;
 use crate::sdf::packet::Search;
 use crate::sdf::pseudonormal::Pseudonormals;
 use crate::sdf::sign::{SignChoice, SignMethod, choose_sign};
-use crate::sdf::union::{Arrangement, Overlaps, UnionSurface, tree_of_union};
+use crate::sdf::union::{Arrangement, Overlaps, UnionSurface, contacts, tree_of_union};
 use crate::sdf::winding::WindingNumbers;
 
 /// A mesh, ready for queries from any number of threads.
@@ -78,17 +78,18 @@ impl MeshDistance {
         diagnosis: &Diagnosis,
     ) -> MeshDistance {
         let corners = corners_of(mesh);
-        let bvh = Bvh::new(&corners);
+        let mut bvh = Bvh::new(&corners);
         let choice = match sign {
             SignMethod::Auto => choose_sign(diagnosis),
             method => SignChoice { method, reason: "as asked for".to_string() },
         };
-        let winding = WindingNumbers::new(&bvh);
+        // Each has parts that run on one thread.
+        let (winding, contacts) = rayon::join(|| WindingNumbers::new(&bvh), || contacts(&bvh));
         let balanced = diagnosis.balanced;
         let arrangement = Arrangement { topology, corners: &corners, bvh: &bvh, winding: &winding, balanced };
-        let (overlaps, surface) = arrangement.union(diagnosis.nested_solids.count > 0);
+        let (overlaps, surface) = arrangement.union(&contacts, diagnosis.nested_solids.count > 0);
         let with_tree = |surface: UnionSurface| {
-            let tree = tree_of_union(&bvh, &corners, &surface);
+            let tree = tree_of_union(&mut bvh, &corners, &surface);
             (surface, tree)
         };
         let surface = surface.map(with_tree);

@@ -110,7 +110,7 @@ impl Vectorized for Visits<'_> {
             }
         }
         for leaf in &mut search.open {
-            let reach_squared = tree.coarse[leaf.block as usize].reach_squared(spheres.radius);
+            let reach_squared = tree.leaves.coarse[leaf.block as usize].reach_squared(spheres.radius);
             for (bits, distance_squared) in leaf.candidates.iter_mut().zip(&leaf.distance_squared) {
                 *bits = V::load(distance_squared).within(reach_squared);
             }
@@ -148,7 +148,7 @@ fn visit_node<V: Lanes>(search: &mut Search, tree: &Bvh, spheres: &Spheres<V>, n
 /// Opens the leaf if it may hold what is closest to some point. Returns upper bounds on its distances.
 #[inline(always)]
 fn visit_leaf<V: Lanes>(search: &mut Search, tree: &Bvh, spheres: &Spheres<V>, block: u32) -> V {
-    let coarse = &tree.coarse[block as usize];
+    let coarse = &tree.leaves.coarse[block as usize];
     let mut leaf = OpenLeaf { distance_squared: [Row::INFINITE; 4], block, candidates: [0; 4] };
     let mut nearest = V::splat(f32::INFINITY);
     for (out, triangle) in leaf.distance_squared.iter_mut().zip(coarse.triangles()) {

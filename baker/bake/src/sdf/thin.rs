@@ -1,6 +1,6 @@
-//! Walls and gaps thinner than a cell, found in the distances at the nodes: along an edge of a cell, the distance then
-//! rises and falls again within less than a cell, or falls and rises. That is seen at no cost; `width` tells whether
-//! it is a wall, a gap, or only an edge of the surface.
+//! Walls, gaps and rods thinner than a cell, found in the distances at the nodes: along an edge of a cell, the distance
+//! then rises and falls again within less than a cell, or falls and rises. That is seen at no cost; `width` tells whether
+//! it is a wall, a gap, or only an edge of the surface, `rod` whether that is a rod's.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -10,13 +10,22 @@ use volmap_runtime::layout::{Family, Nodes};
 
 use super::boundary_distance::BoundaryDistance;
 use super::cell_edges::{CellEdge, FAMILIES, for_each_edge};
-use super::closest_point::Feature;
+use super::closest_point::{Closest, Feature};
+use super::rod::rod_width;
 use super::width::touching_ball;
 
 /// Slopes of the distance on both sides of a fold, at least: a plane has 0.577 along one of the axes.
 const SLOPE: f64 = 0.5;
+/// Folds are no deeper than that, in cells.
+const DEPTH: f64 = 0.5;
+/// The same beside a rod, which lines may pass at half a cell, with no node nearer than a sixth of a cell along them,
+/// and whose side may be flat for nearly a cell.
+const ROD_SLOPE: f64 = 0.1;
+const ROD_DEPTH: f64 = 0.6;
 /// Folds that are measured, at most; of more, as many spread evenly.
 const MEASURED: usize = 512;
+/// Folds at which rods are looked for, at most.
+const PROBED: usize = 256;
 /// Places that are kept.
 const PLACES: usize = 64;
 
@@ -29,12 +38,14 @@ pub struct ThinPlaces {
     pub walls: Thin,
     /// Gaps of the fluid.
     pub gaps: Thin,
+    /// Rods of the solid, thin in two directions.
+    pub rods: Thin,
 }
 
-/// Walls or gaps.
+/// Walls, gaps or rods.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Thin {
-    /// How often a line of the grid goes through one, about.
+    /// How often a line of the grid goes through one, or passes a rod, about.
     pub count: usize,
     /// Width of the thinnest that was measured, metres.
     pub width: f64,
@@ -46,21 +57,35 @@ impl ThinPlaces {
     /// Looks at the distances at a map's nodes, metres.
     pub fn find(grid: &Grid, nodes: &Nodes, distances: &[f64], phi: &BoundaryDistance) -> ThinPlaces {
         let cell = grid.cell_size.max_element();
-        let folds = folds(grid, nodes, distances);
-        let stride = folds.len().div_ceil(MEASURED).max(1);
-        let measured: Vec<Measured> =
-            folds.par_iter().step_by(stride).filter_map(|fold| measure(*fold, phi, cell)).collect();
-        let thin = |width: fn(&Measured) -> Option<f64>| {
-            let mut found: Vec<(f64, DVec3)> =
-                measured.iter().filter_map(|measured| Some((width(measured)?, measured.place))).collect();
-            found.sort_by(|a, b| a.0.total_cmp(&b.0));
-            Thin {
-                count: found.len() * stride,
-                width: found.first().map_or(0.0, |(width, _)| *width),
-                places: found.iter().take(PLACES).map(|(_, place)| place.to_array()).collect(),
-            }
+        let Folds { sharp, dips } = folds(grid, nodes, distances);
+        let (stride, measured) = spread(&sharp, MEASURED, |fold| measure(fold, phi, cell));
+        let of_measured = |width: fn(&Measured) -> Option<f64>| {
+            let found = measured.iter().filter_map(|measured| Some((width(measured)?, measured.place)));
+            thin(stride, found.collect())
         };
-        ThinPlaces { cell, walls: thin(|m| m.wall), gaps: thin(|m| m.gap) }
+        let (walls, gaps) = (of_measured(|m| m.wall), of_measured(|m| m.gap));
+        let (stride, rods) = spread(&dips, PROBED, |fold| rod(fold, phi, cell));
+        ThinPlaces { cell, walls, gaps, rods: thin(stride, rods) }
+    }
+}
+
+/// What is found at folds, of which so many are looked at, spread evenly; and how many each stands for.
+fn spread<T: Send>(
+    folds: &[Fold],
+    most: usize,
+    find: impl Fn(&Fold) -> Option<T> + Sync + Send,
+) -> (usize, Vec<T>) {
+    let stride = folds.len().div_ceil(most).max(1);
+    (stride, folds.par_iter().step_by(stride).filter_map(find).collect())
+}
+
+/// Of widths and places, each of which stands for `stride`.
+fn thin(stride: usize, mut found: Vec<(f64, DVec3)>) -> Thin {
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    Thin {
+        count: found.len() * stride,
+        width: found.first().map_or(0.0, |(width, _)| *width),
+        places: found.iter().take(PLACES).map(|(_, place)| place.to_array()).collect(),
     }
 }
 
@@ -71,8 +96,8 @@ struct Measured {
     gap: Option<f64>,
 }
 
-fn measure(point: DVec3, phi: &BoundaryDistance, cell: f64) -> Option<Measured> {
-    let closest = phi.mesh.closest(point);
+fn measure(fold: &Fold, phi: &BoundaryDistance, cell: f64) -> Option<Measured> {
+    let closest = fold.closest(phi);
     // On an edge of the surface every ball is small.
     if closest.feature != Feature::Face {
         return None;
@@ -87,21 +112,53 @@ fn measure(point: DVec3, phi: &BoundaryDistance, cell: f64) -> Option<Measured> 
     (wall.is_some() || gap.is_some()).then_some(Measured { place: closest.point, wall, gap })
 }
 
-/// Nodes at folds of the distance that are no deeper than half a cell.
-fn folds(grid: &Grid, nodes: &Nodes, distances: &[f64]) -> Vec<DVec3> {
+/// Width and place of a rod.
+fn rod(fold: &Fold, phi: &BoundaryDistance, cell: f64) -> Option<(f64, DVec3)> {
+    let surface = fold.closest(phi).point;
+    Some((rod_width(phi, fold.place, surface, cell)?, surface))
+}
+
+/// A node at a fold of the distance.
+#[derive(Clone, Copy)]
+struct Fold {
+    place: DVec3,
+    distance: f64,
+}
+
+impl Fold {
+    fn closest(&self, phi: &BoundaryDistance) -> Closest {
+        // Moved by the thickness, and by rounding at most.
+        let bound = (self.distance.abs() + phi.thickness.abs()) * (1.0 + 1e-9);
+        phi.mesh.closest_within(self.place, bound)
+    }
+}
+
+/// Nodes at folds near the surface.
+#[derive(Default)]
+struct Folds {
+    /// Where both slopes are steep: walls and gaps.
+    sharp: Vec<Fold>,
+    /// Where the distance falls and rises again: rods.
+    dips: Vec<Fold>,
+}
+
+fn folds(grid: &Grid, nodes: &Nodes, distances: &[f64]) -> Folds {
     let along = |(family, axis): (Family, usize)| {
         // By the lower end of each edge, the first of its two inner nodes.
         let mut thirds = vec![NONE; nodes.count_of(Family::Corner)];
         for_each_edge(nodes, family, axis, |edge| thirds[edge.lower as usize] = edge.third);
         let line = Line { grid, axis, distances };
-        let mut found = Vec::new();
-        for_each_edge(nodes, family, axis, |edge| {
-            found.extend(line.fold(&edge, thirds[edge.upper as usize]))
-        });
+        let mut found = Folds::default();
+        for_each_edge(nodes, family, axis, |edge| line.find(&edge, thirds[edge.upper as usize], &mut found));
         found
     };
     // In the order of the axes, whatever is done first.
-    FAMILIES.into_par_iter().map(along).collect::<Vec<_>>().concat()
+    let mut all = Folds::default();
+    for Folds { sharp, dips } in FAMILIES.into_par_iter().map(along).collect::<Vec<_>>() {
+        all.sharp.extend(sharp);
+        all.dips.extend(dips);
+    }
+    all
 }
 
 /// No node.
@@ -115,22 +172,38 @@ struct Line<'a> {
 }
 
 impl Line<'_> {
-    /// The node at a fold that begins in an edge, after which the inner nodes from `next` on follow, if there are any.
-    /// Each fold once: between nodes 1 and 2, 2 and 3, or 3 and 4 of the line.
-    fn fold(&self, edge: &CellEdge, next: u32) -> Option<DVec3> {
+    /// The first folds that begin in an edge, after which the inner nodes from `next` on follow, if there are any. Each
+    /// fold once: between nodes 1 and 2, 2 and 3, or 3 and 4 of the line.
+    fn find(&self, edge: &CellEdge, next: u32, found: &mut Folds) {
         let cell = self.grid.cell_size;
-        let (steep, depth) = (SLOPE * cell[self.axis] / 3.0, 0.5 * cell.max_element());
+        let (third, longest) = (cell[self.axis] / 3.0, cell.max_element());
         let (count, after) = if next == NONE { (1, [edge.upper; 2]) } else { (3, [next, next + 1]) };
         let line = [edge.lower, edge.third, edge.third + 1, edge.upper, after[0], after[1]];
         let values = line.map(|number| self.distances[number as usize]);
-        let first = values.windows(4).take(count).position(|values| {
+        let (mut has_sharp, mut has_dip) = (false, false);
+        for (first, values) in values.windows(4).take(count).enumerate() {
             let (rise, fall) = (values[1] - values[0], values[3] - values[2]);
-            let is_fold = rise * fall < 0.0 && rise.abs() >= steep && fall.abs() >= steep;
-            is_fold && values[1].abs().min(values[2].abs()) <= depth
-        })?;
-        let at = first + if values[first + 1].abs() <= values[first + 2].abs() { 1 } else { 2 };
-        let mut place = self.grid.origin + DVec3::from(edge.corner.map(f64::from)) * cell;
-        place[self.axis] += at as f64 / 3.0 * cell[self.axis];
-        Some(place)
+            let depth = values[1].abs().min(values[2].abs());
+            if rise * fall >= 0.0 || depth > ROD_DEPTH * longest {
+                continue;
+            }
+            let slope = rise.abs().min(fall.abs());
+            if slope >= SLOPE * third && depth <= DEPTH * longest && !has_sharp {
+                has_sharp = true;
+                found.sharp.push(self.fold(edge, first, values));
+            }
+            if slope >= ROD_SLOPE * third && rise < 0.0 && !has_dip {
+                has_dip = true;
+                found.dips.push(self.fold(edge, first, values));
+            }
+        }
+    }
+
+    /// The fold between the inner two of four values, of which the first is a node of the edge: at the smaller one.
+    fn fold(&self, edge: &CellEdge, first: usize, values: &[f64]) -> Fold {
+        let inner = if values[1].abs() <= values[2].abs() { 1 } else { 2 };
+        let mut place = self.grid.origin + DVec3::from(edge.corner.map(f64::from)) * self.grid.cell_size;
+        place[self.axis] += (first + inner) as f64 / 3.0 * self.grid.cell_size[self.axis];
+        Fold { place, distance: values[inner] }
     }
 }

@@ -121,18 +121,17 @@ struct Hidden {
 }
 
 impl Arrangement<'_> {
-    /// What overlaps, and the union's surface where that isn't the mesh itself. `nested` says that parts lie inside
-    /// others, which may touch nothing.
-    pub fn union(&self, nested: bool) -> (Overlaps, Option<UnionSurface>) {
-        let contacts = Contacts::find(self.bvh, self.length(ROUNDING, LAST_DIGITS[0]));
+    /// What overlaps, and the union's surface where that isn't the mesh itself, from [`contacts`]. `nested` says that
+    /// parts lie inside others, which may touch nothing.
+    pub fn union(&self, contacts: &Contacts, nested: bool) -> (Overlaps, Option<UnionSurface>) {
         let place = contacts.place.map(|place| place.to_array());
         let overlaps =
             Overlaps { pairs: contacts.pairs, place, certain: self.balanced, ..Overlaps::default() };
         if contacts.pairs == 0 && !nested {
             return (overlaps, None);
         }
-        let patches = patches(self.topology, &contacts);
-        let of_patches = patches.into_par_iter().map(|patch| self.hidden_of(&patch, &contacts));
+        let patches = patches(self.topology, contacts);
+        let of_patches = patches.into_par_iter().map(|patch| self.hidden_of(&patch, contacts));
         let mut hidden: Vec<Hidden> = of_patches.flatten_iter().collect();
         hidden.sort_unstable_by_key(|hidden| hidden.triangle);
         let overlaps = with_hidden(overlaps, &hidden);
@@ -142,12 +141,6 @@ impl Arrangement<'_> {
         let replaced = || hidden.into_iter().map(|hidden| (hidden.triangle, hidden.left)).collect();
         let is_changed = overlaps.hidden > 0 && is_left;
         (overlaps, is_changed.then(|| UnionSurface { replaced: replaced() }))
-    }
-
-    /// The part of the mesh's size, but so many steps of the coordinates' last digit at least.
-    fn length(&self, part: f64, last_digits: f64) -> f64 {
-        let farthest = self.bvh.frame.centre.abs().max_element() + 1.0 / self.bvh.frame.scale;
-        (part / self.bvh.frame.scale).max(last_digits * f64::EPSILON * farthest)
     }
 
     /// What is hidden of triangles that hang together: whole ones all or none, unless samples show otherwise.
@@ -182,7 +175,7 @@ impl Arrangement<'_> {
             [] => vec![corners.to_vec()],
             cuts => pieces(corners, normal, cuts, contacts.tolerance),
         };
-        let offset = normal * self.length(OFFSET, LAST_DIGITS[1]);
+        let offset = normal * length(self.bvh, OFFSET, LAST_DIGITS[1]);
         let covers: Vec<Vec<(DVec3, DVec3)>> = contacts
             .covers_of(triangle)
             .iter()
@@ -210,6 +203,17 @@ impl Arrangement<'_> {
             && is_within(place)
             && (self.balanced || polygon.iter().all(|corner| is_within(corner.lerp(place, PULLED_IN))))
     }
+}
+
+/// Pairs of triangles that cross or cover each other.
+pub(super) fn contacts(bvh: &Bvh) -> Contacts {
+    Contacts::find(bvh, length(bvh, ROUNDING, LAST_DIGITS[0]))
+}
+
+/// The part of the mesh's size, but so many steps of the coordinates' last digit at least.
+fn length(bvh: &Bvh, part: f64, last_digits: f64) -> f64 {
+    let farthest = bvh.frame.centre.abs().max_element() + 1.0 / bvh.frame.scale;
+    (part / bvh.frame.scale).max(last_digits * f64::EPSILON * farthest)
 }
 
 /// What is hidden of a triangle, if anything; the rest as fans.

@@ -15,8 +15,8 @@ const FACING: f64 = 0.8;
 /// Balls that shrink to less than this part of the reach lie in an edge.
 const NOTHING: f64 = 1e-6;
 
-/// Diameter, metres, of the largest ball that touches the surface at `p` from the side of `n`, a normal there, and holds
-/// nothing of it, if it is below `reach`.
+/// Diameter, metres, of the largest ball that touches the surface at `p` from the side of `n`, a normal there, and
+/// holds nothing of it, if it is below `reach`.
 pub fn touching_ball(mesh: &MeshDistance, p: DVec3, n: DVec3, reach: f64) -> Option<f64> {
     let mut radius = 0.5 * reach;
     for step in 0..STEPS {

@@ -95,7 +95,7 @@ impl WindingNumbers {
                 let child = bvh.nodes[index].children[near.trailing_zeros() as usize].child;
                 near &= near - 1;
                 if child & LEAF != 0 {
-                    sum += solid_angles(at, &bvh.blocks[(child & !LEAF) as usize]);
+                    sum += solid_angles(at, &bvh.leaves.blocks[(child & !LEAF) as usize]);
                 } else {
                     stack[top] = child;
                     top += 1;
@@ -109,7 +109,7 @@ impl WindingNumbers {
     pub fn exact(bvh: &Bvh, p: DVec3) -> f64 {
         let at = Vec4::splat(p);
         let mut sum = f64x4::ZERO;
-        for block in &bvh.blocks {
+        for block in &bvh.leaves.blocks[..bvh.built] {
             sum += solid_angles(at, block);
         }
         sum.reduce_add() / FOUR_PI
@@ -163,7 +163,7 @@ fn part_moments(bvh: &Bvh) -> Vec<[Moments; 4]> {
         for slot in (0..4).filter(|&slot| bvh.ranges[node][slot].1 > 0) {
             let child = bvh.nodes[node].children[slot].child;
             all[node][slot] = match child & LEAF != 0 {
-                true => Moments::of_block(&bvh.blocks[(child & !LEAF) as usize], &bvh.frame),
+                true => Moments::of_block(&bvh.leaves.blocks[(child & !LEAF) as usize], &bvh.frame),
                 false => Moments::of_parts(&all[child as usize]),
             };
         }
@@ -182,7 +182,7 @@ fn expansion(bvh: &Bvh, node: usize, moments: &[Moments; 4]) -> Expansion {
     };
     for (slot, &(first, end)) in bvh.ranges[node].iter().enumerate().filter(|(_, range)| range.1 > 0) {
         let part = &moments[slot];
-        let blocks = &bvh.blocks[first as usize..end as usize];
+        let blocks = &bvh.leaves.blocks[first as usize..end as usize];
         result.used |= 1 << slot;
         result.centre.set_lane(slot, part.centre);
         result.radius_squared.as_mut_array()[slot] = radius_squared(blocks, &bvh.frame, part.centre);

@@ -4,6 +4,7 @@ use glam::{DMat3, DVec3};
 use volmap_bake::bake::{BakeSettings, bake};
 use volmap_bake::input::{InputSettings, from_arrays};
 use volmap_bake::plan::{GridChoice, MapSettings};
+use volmap_bake::sdf::thin::ThinPlaces;
 use volmap_bake::summary::Summary;
 use volmap_formats::mesh::TriangleMesh;
 
@@ -32,9 +33,10 @@ fn plates_thinner_than_a_cell_are_told_however_they_lie() {
     for degrees in [0.0, 7.0, 33.0, 45.0] {
         for thickness in [0.002, 0.02, 0.04] {
             let plate = turned(cuboid(DVec3::ZERO, DVec3::new(1.0, 0.8, thickness)), degrees);
-            let walls = baked(&plate, 0.05, |_| {}).thin.walls;
+            let ThinPlaces { walls, rods, .. } = baked(&plate, 0.05, |_| {}).thin;
             assert!(walls.count > 50, "{degrees} {thickness}: {walls:?}");
             assert!((walls.width / thickness - 1.0).abs() < 0.01, "{degrees} {thickness}: {walls:?}");
+            assert_eq!(rods.count, 0, "{degrees} {thickness}: {rods:?}");
         }
         // Twice as thick as a cell: resolved.
         let plate = turned(cuboid(DVec3::ZERO, DVec3::new(1.0, 0.8, 0.1)), degrees);
@@ -42,6 +44,50 @@ fn plates_thinner_than_a_cell_are_told_however_they_lie() {
         assert_eq!(summary.thin.walls.count, 0, "{degrees}");
         assert!(!warned(&summary, "thinner"));
     }
+}
+
+/// A prism around the z-axis, of so many sides, radius and length, in so many pieces.
+fn prism(sides: u32, radius: f64, length: f64, pieces: u32) -> TriangleMesh {
+    let corner = |piece: u32, side: u32| {
+        let angle = std::f64::consts::TAU * (f64::from(side) + 0.5) / f64::from(sides);
+        [radius * angle.cos(), radius * angle.sin(), length * f64::from(piece) / f64::from(pieces)]
+    };
+    let all = (0..=pieces).flat_map(|piece| (0..sides).map(move |side| corner(piece, side)));
+    let mut prism = TriangleMesh { vertices: all.collect(), triangles: Vec::new() };
+    for (piece, side) in (0..pieces).flat_map(|piece| (0..sides).map(move |side| (piece, side))) {
+        let (a, b) = (piece * sides + side, piece * sides + (side + 1) % sides);
+        prism.triangles.extend([[a, b, b + sides], [a, b + sides, a + sides]]);
+    }
+    let top = pieces * sides;
+    for side in 1..sides - 1 {
+        prism.triangles.extend([[0, side + 1, side], [top, top + side, top + side + 1]]);
+    }
+    prism
+}
+
+#[test]
+fn rods_thinner_than_a_cell_are_told_however_they_lie() {
+    // A body beside them, so that the map has a solid.
+    let body = cuboid(DVec3::new(1.0, 0.0, 0.0), DVec3::new(1.5, 0.5, 1.0));
+    let mut wrong = Vec::new();
+    for (degrees, sides, pieces) in [(0.0, 4, 1), (7.0, 4, 1), (33.0, 3, 1), (45.0, 6, 10), (20.0, 16, 10)] {
+        for radius in [0.001, 0.01, 0.015] {
+            let rod = turned(merged(&[prism(sides, radius, 1.0, pieces), body.clone()]), degrees);
+            let summary = baked(&rod, 0.05, |_| {});
+            let (rods, walls) = (&summary.thin.rods, &summary.thin.walls);
+            let inner = 2.0 * radius * (std::f64::consts::PI / f64::from(sides)).cos();
+            let width = if rods.count > 0 { rods.width } else { walls.width };
+            let told = format!("{degrees} {sides} {radius}: {rods:?} {walls:?}");
+            let is_told = rods.count + walls.count > 5 && warned(&summary, "thinner than a cell (0.05 m)");
+            if !is_told || !(0.7 * inner..1.05 * inner).contains(&width) {
+                wrong.push(told);
+            }
+        }
+        // Twice as thick as a cell: resolved.
+        let thick = turned(merged(&[prism(sides, 0.12, 1.0, pieces), body.clone()]), degrees);
+        assert_eq!(baked(&thick, 0.05, |_| {}).thin.rods.count, 0, "{degrees} {sides}");
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
 #[test]
@@ -71,14 +117,16 @@ fn a_thickened_plate_is_resolved_and_a_container_has_its_gaps_and_walls_the_othe
 fn edges_and_round_bodies_are_not_thin() {
     for degrees in [0.0, 20.0, 45.0] {
         let cube = baked(&turned(cuboid(DVec3::ZERO, DVec3::splat(0.7)), degrees), 0.05, |_| {});
-        assert_eq!((cube.thin.walls.count, cube.thin.gaps.count), (0, 0), "{degrees}");
+        let thin = &cube.thin;
+        assert_eq!((thin.walls.count, thin.gaps.count, thin.rods.count), (0, 0, 0), "{degrees}");
     }
     // A corner of a cube: edges of 55 degrees and more.
     let vertices = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let corner = TriangleMesh { vertices, triangles: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]] };
-    assert_eq!(baked(&corner, 0.05, |_| {}).thin.walls.count, 0);
+    let thin = baked(&corner, 0.05, |_| {}).thin;
+    assert_eq!((thin.walls.count, thin.rods.count), (0, 0));
     let ball = baked(&icosphere(3), 0.1, |_| {});
-    assert_eq!((ball.thin.walls.count, ball.thin.gaps.count), (0, 0));
+    assert_eq!((ball.thin.walls.count, ball.thin.gaps.count, ball.thin.rods.count), (0, 0, 0));
 }
 
 #[test]

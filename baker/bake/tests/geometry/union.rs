@@ -236,8 +236,8 @@ fn a_large_mesh_with_a_small_overlap_has_the_distance_of_its_union() {
     }
 }
 
-/// An open cup, a pole that stands in it and far out of it, and a bar through the cup's wall: the pole's triangles are in
-/// the cup in part only.
+/// An open cup, a pole that stands in it and far out of it, and a bar through the cup's wall: the pole's triangles are
+/// in the cup in part only.
 #[test]
 fn what_stands_out_of_an_open_mesh_is_kept() {
     let mut cup = cuboid(DVec3::splat(-1.0), DVec3::splat(1.0));

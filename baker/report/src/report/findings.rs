@@ -328,7 +328,8 @@ impl Verdict {
         if let Some(check) = check.filter(|check| check.contradictions > 0) {
             self.passed = self.passed.map(|_| false);
             self.text += &format!(
-                " But winding numbers contradict the exact distance at {} of {} points: the figures can't be relied on.",
+                " But winding numbers contradict the exact distance at {} of {} points: the figures \
+                 can't be relied on.",
                 check.contradictions, check.points
             );
         }

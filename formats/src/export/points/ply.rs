@@ -1,7 +1,7 @@
 //! Particles as binary PLY, one vertex each. Turk 1994, *The PLY Polygon File Format*.
 //!
-//! Numbers of things, such as ids, are `int`: Blender 4.5 and Open3D drop `uint`. Only where one is 2^31 or more, they are
-//! `uint`. The vector `velocity` becomes the properties `vx`, `vy`, `vz`; other vectors `name_x` and so on.
+//! Numbers of things, such as ids, are `int`: Blender 4.5 and Open3D drop `uint`. Only where one is 2^31 or more, they
+//! are `uint`. The vector `velocity` becomes the properties `vx`, `vy`, `vz`; other vectors `name_x` and so on.
 
 use super::{Points, Positions, Values};
 use crate::export::{ExportError, publish_to};

@@ -112,8 +112,8 @@ fn not_counts(line: &[u8]) -> String {
     let text = show(line);
     match words(line).next() {
         Some(word) if word.to_ascii_uppercase().ends_with(b"OFF") => format!(
-            "`{text}` is not a kind of OFF that is read; those are OFF with ST, C, N, 4 or n before it: export the mesh \
-             as OFF or PLY"
+            "`{text}` is not a kind of OFF that is read; those are OFF with ST, C, N, 4 or n before it: export the \
+             mesh as OFF or PLY"
         ),
         _ => format!("the numbers of vertices and faces were expected, not `{text}`"),
     }

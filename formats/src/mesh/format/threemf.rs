@@ -1,5 +1,5 @@
-//! 3MF: core specification 1.3, with the paths of the production extension. What slicers say of a model's parts is looked
-//! up (`slicer.rs`), for they write modifiers and negative parts as objects like any other.
+//! 3MF: core specification 1.3, with the paths of the production extension. What slicers say of a model's parts is
+//! looked up (`slicer.rs`), for they write modifiers and negative parts as objects like any other.
 //!
 //! Own reader on `zip` and `quick-xml`: `threemf` holds whole documents without a limit, reads
 //! neither paths nor prefixed elements, and refuses resources in mixed order.
@@ -384,7 +384,8 @@ fn check_extensions(tag: &BytesStart) -> Result<(), MeshError> {
             return Err(MeshError::unsupported(
                 NAME,
                 format!("the required extension {}", show_long(name)),
-                "export the model as plain triangles: without beam lattices, slices, volumes, implicit shapes and encryption",
+                "export the model as plain triangles: without beam lattices, slices, volumes, implicit shapes \
+                 and encryption",
             ));
         }
     }

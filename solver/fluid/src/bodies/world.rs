@@ -86,8 +86,8 @@ impl World {
         *unit = if has_free { unit.min(size) } else { size };
     }
 
-    /// Stiffness of contacts follows the free bodies' masses, of which this is one: a light one holds a heavy one as one
-    /// like it, by stiffer springs in proportion, and parts of the step that are short enough for them.
+    /// Stiffness of contacts follows the free bodies' masses, of which this is one: a light one holds a heavy one as
+    /// one like it, by stiffer springs in proportion, and parts of the step that are short enough for them.
     fn stiffen(&mut self, mass: f64) {
         let [least, largest] = &mut self.masses;
         (*least, *largest) = (least.min(mass), largest.max(mass));

@@ -30,8 +30,8 @@ use volmap_runtime::DVec3;
 /// solves agree.
 const AGREES: f64 = 0.05;
 
-/// Energy that a step may add where they don't agree, in parts of what the fluid gets in a fall of a support radius: of a
-/// stiff block at rest, whose pressures a viscous solve at its limit sees a little wrong, as much is there and gone.
+/// Energy that a step may add where they don't agree, in parts of what the fluid gets in a fall of a support radius: of
+/// a stiff block at rest, whose pressures a viscous solve at its limit sees a little wrong, as much is there and gone.
 const SMALL_GROWTH: f64 = 5e-4;
 
 /// How the solves of a step went.

@@ -5,11 +5,42 @@ use volmap_bake::density_map::KERNELS;
 use volmap_documents::{At, Checked};
 use volmap_fluid::forces::ForceSettings;
 use volmap_fluid::forces::viscosity::viscous_limit;
+use volmap_fluid::rest::calm_radii;
 use volmap_fluid::settings::{
     BoundaryMethod, FluidSettings, MOST_RELAXATION, SolveSettings, SolverSettings, World,
 };
 use volmap_formats::text::number;
 use volmap_runtime::KernelKind;
+
+/// Whether water at rest stays calm with the kernel and its support radius.
+pub(super) fn kernel(at: &At, scene: &Scene) -> Checked {
+    let (kernel, radius) = (scene.kernel, scene.support_radius());
+    let Some([least, most]) = calm_radii(kernel) else {
+        let reason = format!(
+            "water doesn't stay at rest with {kernel}; take {}, {} or {}",
+            KernelKind::CubicSpline,
+            KernelKind::WendlandC2,
+            KernelKind::Spiky
+        );
+        return Err(at.problem("kernel", reason));
+    };
+    let ratio = radius / scene.particle_radius;
+    at.require("support_radius", ratio >= least * (1.0 - 1e-9), || {
+        format!(
+            "{radius} m is {ratio:.2} particle radii; kernel {kernel} needs {least} to {most}, as a rule 4: with fewer \
+             neighbours water at rest hasn't the pressure of its depth"
+        )
+    })?;
+    at.require("support_radius", ratio <= most * (1.0 + 1e-9), || {
+        let cure = match kernel {
+            KernelKind::CubicSpline => ": with more, water doesn't stay at rest; kernel = \"wendland_c2\" takes more",
+            _ => "",
+        };
+        format!(
+            "{radius} m is {ratio:.2} particle radii; kernel {kernel} takes {least} to {most}, as a rule 4{cure}"
+        )
+    })
+}
 
 /// Whether the boundary's method goes with the other settings, and has what it needs.
 pub(super) fn boundary(at: &At, scene: &Scene) -> Checked {

@@ -79,8 +79,8 @@ pub struct Library<'a> {
     on_bake: &'a mut dyn FnMut(&Path),
 }
 
-/// The surface of a body's or fill's solid as far as its file tells it, with its overlapping parts; none if it can't be read, or
-/// only the map has it.
+/// The surface of a body's or fill's solid as far as its file tells it, with its overlapping parts; none if it can't be
+/// read, or only the map has it.
 pub fn surface_without_map(source: Source, bake: &Parameters) -> Option<Surface> {
     let mut recipe = bake.recipe();
     let mut input = match source {

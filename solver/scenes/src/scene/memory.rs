@@ -43,8 +43,8 @@ impl Limit {
             _ => format!(", {} of them from emitters until {} s", thousands(added), self.end),
         };
         let reason = format!(
-            "the run would need about {}, more than `max_memory`, {}: {} particles{of_emitters}, and {} of maps; take a \
-             larger particle_radius, less fluid or larger cells (bake.cell_size), or allow more",
+            "the run would need about {}, more than `max_memory`, {}: {} particles{of_emitters}, and {} of maps; take \
+             a larger particle_radius, less fluid or larger cells (bake.cell_size), or allow more",
             bytes(needed),
             bytes(self.bytes),
             thousands(all),

@@ -23,14 +23,6 @@ pub struct Boxes {
     upper: [f32x4; 3],
 }
 
-/// A triangle with its box and plane.
-struct CoarseTriangle {
-    bounds: Bounds,
-    corners: [[f32; 3]; 3],
-    normal: [f32; 3],
-    offset: f32,
-}
-
 /// Up to four triangles.
 pub struct CoarseLeaf {
     /// Their number.
@@ -39,20 +31,18 @@ pub struct CoarseLeaf {
     pub bounds: Bounds,
     /// The box of each, side by side.
     boxes: Boxes,
-    /// The triangles one by one.
-    each: [CoarseTriangle; 4],
     corners: [[f32x4; 3]; 3],
     /// Unit normals, 0 for triangles without area, and the planes' distances from the origin.
     normals: [f32x4; 3],
     offsets: f32x4,
     /// Points no farther than this may be on the plane.
-    margins: f32x4,
+    margin: f32,
 }
 
 impl CoarseLeaf {
     /// Of a block of the tree.
     pub fn new(block: &TriangleBlock, index: usize, bvh: &Bvh, tolerance: f64) -> CoarseLeaf {
-        let count = bvh.coarse[index].triangles().len();
+        let count = bvh.leaves.coarse[index].triangles().len();
         let local = |v: Vec4| {
             let (centre, scale) = (Vec4::splat(bvh.frame.centre), wide::f64x4::splat(bvh.frame.scale));
             (v - centre).scale(scale)
@@ -65,14 +55,8 @@ impl CoarseLeaf {
         let corners = [a, b, c].map(single);
         let boxes = Boxes::around(&corners);
         let (normals, offsets) = (single(normal), lanes(normal.dot(a)));
-        let each = [0, 1, 2, 3].map(|lane| {
-            let at = |v: f32x4| v.as_array()[lane];
-            let bounds = Bounds { lower: boxes.lower.map(at), upper: boxes.upper.map(at) };
-            let (normal, offset) = (normals.map(at), at(offsets));
-            CoarseTriangle { bounds, corners: corners.map(|corner| corner.map(at)), normal, offset }
-        });
-        let margins = f32x4::splat(PLANE_ERROR + (tolerance * bvh.frame.scale) as f32);
-        CoarseLeaf { count, bounds: boxes.joined(), boxes, each, corners, normals, offsets, margins }
+        let margin = PLANE_ERROR + (tolerance * bvh.frame.scale) as f32;
+        CoarseLeaf { count, bounds: boxes.joined(), boxes, corners, normals, offsets, margin }
     }
 
     /// Which triangles' boxes meet that of another leaf.
@@ -85,19 +69,20 @@ impl CoarseLeaf {
     /// neither lies strictly on one side of the other's plane, but for an edge that lies in it.
     #[inline]
     pub fn near(&self, lane: usize, other: &CoarseLeaf) -> u32 {
-        let CoarseTriangle { bounds, corners, normal, offset } = &self.each[lane];
-        let near = other.boxes.meeting(bounds) & ((1 << other.count) - 1);
+        let near = other.boxes.meeting(&self.boxes.at(lane)) & ((1 << other.count) - 1);
         if near == 0 {
             return 0;
         }
-        let (normal, offset) = (normal.map(f32x4::splat), f32x4::splat(*offset));
-        let of_others = other.corners.map(|corner| dot(normal, corner) - offset);
-        let near = near & across(of_others, self.margins).to_bitmask();
+        let margin = f32x4::splat(self.margin);
+        let of_this = |v: &f32x4| f32x4::splat(v.as_array()[lane]);
+        let (normal, offset) = (self.normals.each_ref().map(of_this), of_this(&self.offsets));
+        let distances = other.corners.map(|corner| dot(normal, corner) - offset);
+        let near = near & across(distances, margin).to_bitmask();
         if near == 0 {
             return 0;
         }
-        let of_this = corners.map(|corner| dot(other.normals, corner.map(f32x4::splat)) - other.offsets);
-        near & across(of_this, other.margins).to_bitmask()
+        let corners = self.corners.each_ref().map(|corner| corner.each_ref().map(of_this));
+        near & across(corners.map(|corner| dot(other.normals, corner) - other.offsets), margin).to_bitmask()
     }
 }
 
@@ -136,6 +121,13 @@ impl Boxes {
             lower: [0, 1, 2].map(|axis| a[axis].fast_min(b[axis]).fast_min(c[axis]) - margin),
             upper: [0, 1, 2].map(|axis| a[axis].fast_max(b[axis]).fast_max(c[axis]) + margin),
         }
+    }
+
+    /// One of them.
+    #[inline]
+    fn at(&self, slot: usize) -> Bounds {
+        let at = |v: f32x4| v.as_array()[slot];
+        Bounds { lower: self.lower.map(at), upper: self.upper.map(at) }
     }
 
     /// Which of the boxes meet another.

@@ -29,13 +29,14 @@ impl Contacts {
     /// Finds all pairs.
     pub fn find(bvh: &Bvh, tolerance: f64) -> Contacts {
         let leaves: Vec<CoarseLeaf> = bvh
+            .leaves
             .blocks
             .par_iter()
             .enumerate()
             .map(|(index, block)| CoarseLeaf::new(block, index, bvh, tolerance))
             .collect();
         let search = Search { bvh, leaves: &leaves, boxes: &boxes_of_nodes(bvh, &leaves), tolerance };
-        let found: Vec<Found> = (0..bvh.blocks.len() as u32)
+        let found: Vec<Found> = (0..bvh.leaves.blocks.len() as u32)
             .into_par_iter()
             .with_min_len(64)
             .map(|block| search.around_block(block))
@@ -148,6 +149,9 @@ impl Search<'_> {
 
     fn triangle(&self, block: u32, lane: usize) -> Triangle {
         let block = block as usize;
-        Triangle { corners: self.bvh.blocks[block].triangle(lane), number: self.bvh.ids[block][lane] }
+        Triangle {
+            corners: self.bvh.leaves.blocks[block].triangle(lane),
+            number: self.bvh.leaves.ids[block][lane],
+        }
     }
 }

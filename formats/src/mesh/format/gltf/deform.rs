@@ -1,5 +1,5 @@
-//! What moves a mesh's vertices before its node does: morph targets by their default weights (glTF 2.0, section 3.7.2.2)
-//! and skins in the pose of the file's nodes (section 3.7.3).
+//! What moves a mesh's vertices before its node does: morph targets by their default weights (glTF 2.0, section
+//! 3.7.2.2) and skins in the pose of the file's nodes (section 3.7.3).
 
 use glam::{DAffine3, DMat4, DVec3};
 
