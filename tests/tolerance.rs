@@ -67,10 +67,7 @@ fn adaptive_maps_keep_their_tolerance_at_other_points() {
             let found = bake.summary.adapted.clone().unwrap();
             let [max, most] = true_errors(mesh, scale, invert, &bake);
             let errors = found.errors;
-            println!(
-                "{mesh}, {tolerance}: {:?}, {:.4}; {max:.4}, {most:.4}",
-                found.cells, errors.volume.max
-            );
+            println!("{mesh}, {tolerance}: {:?}, {:.4}; {max:.4}, {most:.4}", found.cells, errors.volume.max);
             assert!(errors.volume.max <= tolerance && errors.volume.rms <= errors.volume.max);
             assert!(errors.distance.max <= 10.0 * tolerance && found.left == 0);
             assert!(most <= tolerance && max <= 1.3 * tolerance, "{mesh}: {max} {most}");
@@ -87,7 +84,8 @@ fn adaptive_maps_keep_their_tolerance_at_other_points() {
 fn distances_and_normals_are_as_exact_as_asked_for() {
     let plain = Tolerances { volume: 0.1, distance: 0.5, normal: None };
     let (mesh, scale, invert) = MESHES[1];
-    let baked = |tolerances| baked(mesh, scale, invert, GridChoice::Tolerance(tolerances)).summary.adapted.unwrap();
+    let baked =
+        |tolerances| baked(mesh, scale, invert, GridChoice::Tolerance(tolerances)).summary.adapted.unwrap();
     let (coarse, errors) = (baked(plain), |found: &Adapted| found.errors);
     let by_distance = baked(Tolerances { distance: 0.005, ..plain });
     assert!(errors(&by_distance).distance.max <= 0.005 && errors(&coarse).distance.max > 0.005);

@@ -49,6 +49,9 @@ const COARSEST: f64 = 4.0;
 const FINEST: u32 = 6;
 /// How often cells are judged more strictly, at most.
 const ROUNDS: usize = 3;
+/// How often cells are split where the map as stored misses, at most, and at how many points it may.
+const REPAIRS: usize = 4;
+const MOST_REPAIRED: usize = 30;
 /// Error of Phi on the tree, in support radii for each part of the ball: V on it is then wrong by a fifth of the
 /// tolerance or less.
 const TREE: f64 = 0.3;
@@ -107,7 +110,8 @@ pub fn adapt<D: SignedDistance>(
     if points.is_empty() {
         return Err(no_fluid());
     }
-    let search = Search { phi: problem.phi, settings, tolerances, plan: &plan, lattice, points: &points, watch };
+    let search =
+        Search { phi: problem.phi, settings, tolerances, plan: &plan, lattice, points: &points, watch };
     drop(work);
     let (settled, asset, rounding, found) = search.run()?;
     Ok(AdaptiveMap { plan, settled, asset, rounding, found })
@@ -189,10 +193,16 @@ impl<D: SignedDistance> Search<'_, D> {
         };
         let mut cells = CellTree::default();
         judge.decide(self.roots(), &mut cells, known)?;
-        let settled = judge.settle(&mut cells, known, self.plan)?;
-        let (asset, rounding) = adaptive_asset(&settled, self.plan, self.settings)?;
-        let found = self.measured(&asset, &settled, &tree)?;
-        Ok((settled, asset, rounding, found))
+        let mut settled = judge.settle(&mut cells, known, self.plan)?;
+        for repairs in 0.. {
+            let (asset, rounding) = adaptive_asset(&settled, self.plan, self.settings)?;
+            let (found, missed) = self.measured(&asset, &settled, &tree)?;
+            if missed.is_empty() || missed.len() > MOST_REPAIRED || repairs == REPAIRS {
+                return Ok((settled, asset, rounding, found));
+            }
+            settled = judge.repair(&missed, &mut cells, known, self.plan)?;
+        }
+        unreachable!("the last repair returns")
     }
 
     /// The cells of the map's grid, on the lattice of the larger one on which Phi is needed.
@@ -202,23 +212,31 @@ impl<D: SignedDistance> Search<'_, D> {
         (0..n.element_product()).map(|number| LevelCell { level: 0, at: margin + at(number) }).collect()
     }
 
-    fn measured(&self, asset: &Asset, settled: &Settled, tree: &DistanceTree) -> Result<Adapted, Error> {
+    fn measured(
+        &self,
+        asset: &Asset,
+        settled: &Settled,
+        tree: &DistanceTree,
+    ) -> Result<(Adapted, Vec<DVec3>), Error> {
         let radius = self.plan.support_radius;
         let work = self.watch.begin(Stage::Reference.step(), 0)?;
-        let map = VolumeMap::from_asset(asset).map_err(|error| Error::setting("tolerance", error.to_string()))?;
+        let map =
+            VolumeMap::from_asset(asset).map_err(|error| Error::setting("tolerance", error.to_string()))?;
         let rule = Rule::Chord(if self.tolerances.volume >= COARSE_FROM { 12 } else { 20 });
         let lines = LineRule::new(rule.points());
         let estimate = TreeIntegrator::new(tree, &lines, radius);
         let reference = Reference { phi: self.phi, radius, rule, estimate: &estimate, points: self.points };
         let count = |level: &LevelCells| level.band.iter().map(|run| u64::from(run.len)).sum();
-        Ok(Adapted {
+        let (errors, missed) = reference.errors(&map, &self.tolerances, &work)?;
+        let found = Adapted {
             tolerances: self.tolerances,
-            errors: reference.errors(&map, &work)?,
+            errors,
             coarsest: self.plan.grid.cell_size.x,
             cells: settled.levels.iter().map(count).collect(),
             left: settled.left.len(),
             left_at: settled.left.first().map(|cell| self.lattice.center(*cell).to_array()),
             reference: rule,
-        })
+        };
+        Ok((found, missed))
     }
 }

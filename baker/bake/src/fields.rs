@@ -52,7 +52,9 @@ impl Fields {
         let grid = plan.grid.resolution.as_u64vec3().element_product();
         let count = |runs: &[volmap_formats::asset::CellRun]| runs.iter().map(|run| u64::from(run.len)).sum();
         match self {
-            Fields::Uniform(maps) => CellCounts { grid, band: count(&maps.cells.band), solid: count(&maps.cells.solid) },
+            Fields::Uniform(maps) => {
+                CellCounts { grid, band: count(&maps.cells.band), solid: count(&maps.cells.solid) }
+            }
             Fields::Adaptive(map) => {
                 let levels = &map.settled.levels;
                 CellCounts {
@@ -73,7 +75,8 @@ impl Fields {
             Fields::Adaptive(map) => map.settled.levels.len() - 1,
         };
         let dense = dense_nodes(plan.grid.resolution, level as u32);
-        [dense, self.distance().len() as u64].map(|nodes| nodes.saturating_mul(fields * settings.precision.bytes()))
+        [dense, self.distance().len() as u64]
+            .map(|nodes| nodes.saturating_mul(fields * settings.precision.bytes()))
     }
 
     /// Faces between inside and outside without a surface. Adaptive cells are split there, and told as too wrong.
@@ -89,7 +92,8 @@ impl Fields {
         match self {
             Fields::Uniform(maps) => ThinPlaces::find(&plan.grid, &maps.nodes, &maps.distance, phi),
             Fields::Adaptive(map) => {
-                let finest = plan.grid.cell_size.max_element() / (1u32 << (map.settled.levels.len() - 1)) as f64;
+                let finest =
+                    plan.grid.cell_size.max_element() / (1u32 << (map.settled.levels.len() - 1)) as f64;
                 ThinPlaces { cell: finest, ..ThinPlaces::default() }
             }
         }

@@ -33,8 +33,8 @@ use crate::input::InputSettings;
 use crate::plan::{GridChoice, Precision};
 use crate::primitive::Primitive;
 use crate::recipe::Recipe;
-use crate::settings::Tolerances;
 use crate::sdf::SignMethod;
+use crate::settings::Tolerances;
 use crate::volume_map::quadrature::Rule;
 use attribute::{reals, text};
 use row::parameters;
@@ -116,7 +116,10 @@ parameters! {
     /// Cells of several sizes, as large as this error of the volume allows, a fraction of the full ball: 1% or 0.01. With
     /// a density, the coarsest grid of equal cells that does
     tolerance: Tolerance {
-        apply: |recipe, part| recipe.bake.map.grid = GridChoice::Tolerance(Tolerances::of_volume(part.0)),
+        apply: |recipe, part| {
+            recipe.bake.map.grid = GridChoice::Tolerance(Tolerances::of_volume(part.0));
+            recipe.bake.map.precision = Precision::of_tolerance(part.0);
+        },
         placeholder: "FRACTION",
         example: "2%",
         group: Some(Group::Cells),
@@ -425,7 +428,8 @@ parameters! {
         restore: |bake, input| restored(&mut input.weld_tolerance, real(bake, "weld_tolerance")),
     }
 
-    /// Precision of the stored fields
+    /// Precision of the stored fields; by default of a bake for a tolerance 16 bits, where their rounding is a small part of
+    /// it
     precision: PrecisionName {
         apply: |recipe, name| recipe.bake.map.precision = match name {
             PrecisionName::F32 => Precision::F32,
@@ -498,6 +502,9 @@ impl Parameters {
     pub fn recipe(&self) -> Recipe {
         let mut recipe = Recipe::default();
         self.given().for_each(|row| (row.apply)(self, &mut recipe));
+        if recipe.bake.map.density.is_some() && !self.gives(Group::Precision) {
+            recipe.bake.map.precision = Precision::default();
+        }
         recipe
     }
 

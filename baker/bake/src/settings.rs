@@ -84,6 +84,19 @@ pub enum Precision {
 }
 
 impl Precision {
+    /// Parts of a tolerance of the volume that rounding to 16 bits may take.
+    const PARTS: f64 = 40.0;
+    /// The least rounding at which 16 bits hold the distances at the nodes of the largest adaptive cells.
+    const LEAST: f64 = 1.5e-4;
+
+    /// The shortest numbers that leave nearly all of a tolerance of the volume to other errors.
+    pub fn of_tolerance(volume: f64) -> Precision {
+        match volume / Precision::PARTS {
+            part if part >= Precision::LEAST => Precision::Rounded(part),
+            _ => Precision::F32,
+        }
+    }
+
     /// Bytes of a stored number.
     pub fn bytes(self) -> u64 {
         match self {

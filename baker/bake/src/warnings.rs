@@ -14,7 +14,12 @@ use volmap_formats::text::{number, percent, significant, thousands};
 const COARSEST_STEP: f64 = 0.1;
 
 /// The warnings of a bake. The texts stand in assets: other words are other bytes.
-pub fn warnings(summary: &Summary, distances: &[f64], settings: &BakeSettings, lengths: &Lengths) -> Vec<String> {
+pub fn warnings(
+    summary: &Summary,
+    distances: &[f64],
+    settings: &BakeSettings,
+    lengths: &Lengths,
+) -> Vec<String> {
     let mut out: Vec<String> = lengths.suspicion().into_iter().collect();
     mesh_warnings(summary, &mut out);
     overlap_warning(summary, &mut out);
@@ -52,7 +57,8 @@ fn too_wrong(found: &Adapted) -> Option<String> {
     let Tolerances { volume, distance, normal } = found.tolerances;
     let errors = &found.errors;
     let missed = [
-        (errors.volume.max > volume).then(|| format!("the volume {} of the ball", percent(errors.volume.max))),
+        (errors.volume.max > volume)
+            .then(|| format!("the volume {} of the ball", percent(errors.volume.max))),
         (errors.distance.max > distance)
             .then(|| format!("the distance {} of the support radius", percent(errors.distance.max))),
         normal

@@ -326,7 +326,8 @@ impl CellTree {
         resolution: UVec3,
     ) -> impl Iterator<Item = LevelCell> + '_ {
         let size = (resolution << cell.level).as_ivec3();
-        let around = (0..27).map(move |n| cell.at.as_ivec3() + IVec3::new(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1));
+        let around =
+            (0..27).map(move |n| cell.at.as_ivec3() + IVec3::new(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1));
         let inside = around.filter(move |at| at.cmpge(IVec3::ZERO).all() && at.cmplt(size).all());
         inside.filter_map(move |at| self.coarser_at(LevelCell { level: cell.level, at: at.as_uvec3() }))
     }

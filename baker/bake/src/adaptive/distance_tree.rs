@@ -132,9 +132,9 @@ impl DistanceTree {
                 _ => open.push((slot, cell)),
             }
         }
-        let points = open.par_iter().flat_map_iter(|(_, cell)| {
-            lattice.nodes(*cell).into_iter().chain(lattice.probes(*cell))
-        });
+        let points = open
+            .par_iter()
+            .flat_map_iter(|(_, cell)| lattice.nodes(*cell).into_iter().chain(lattice.probes(*cell)));
         samples.ask_distance(points, &lattice, phi, work)?;
         let last = cells[0].1.level == lattice.finest();
         let decided: Vec<Option<[f64; NODES]>> = open

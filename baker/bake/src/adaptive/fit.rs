@@ -102,7 +102,8 @@ impl Fit<'_> {
 
     /// (W A)^T times differences.
     fn shared_out(&self, of: &Differences) -> Vec<f64> {
-        let mut all: Vec<f64> = of.nodes.iter().zip(self.node_weights).map(|(d, weight)| weight * d).collect();
+        let mut all: Vec<f64> =
+            of.nodes.iter().zip(self.node_weights).map(|(d, weight)| weight * d).collect();
         let of_cell = |(targets, own): (&Targets, &[f64; PROBES.len()])| {
             let mut sums = [0.0; NODES];
             for (n, own) in own.iter().enumerate() {

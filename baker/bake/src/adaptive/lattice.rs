@@ -41,7 +41,8 @@ pub const PROBES: [[u8; 3]; 27] = {
             count += 1;
         } else {
             // A corner; the child's midpoint there.
-            points[19 + (half[0] / 2 + half[1] + 2 * half[2]) as usize] = [1 + half[0], 1 + half[1], 1 + half[2]];
+            points[19 + (half[0] / 2 + half[1] + 2 * half[2]) as usize] =
+                [1 + half[0], 1 + half[1], 1 + half[2]];
         }
         n += 1;
     }
@@ -153,7 +154,9 @@ mod tests {
 
     #[test]
     fn keys_give_their_coordinates_back() {
-        for at in [UVec3::ZERO, UVec3::new(1, 2, 3), UVec3::new(2_097_151, 77, 1 << 20), UVec3::splat(2_097_151)] {
+        for at in
+            [UVec3::ZERO, UVec3::new(1, 2, 3), UVec3::new(2_097_151, 77, 1 << 20), UVec3::splat(2_097_151)]
+        {
             assert_eq!(Key::new(at).coordinates(), at);
         }
     }

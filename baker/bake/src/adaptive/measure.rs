@@ -4,6 +4,7 @@
 use super::volume::TreeIntegrator;
 use crate::error::Error;
 use crate::sdf::SignedDistance;
+use crate::settings::Tolerances;
 use crate::tolerance::{MeasuredError, integrals};
 use crate::volume_map::quadrature::{Rule, along_curve};
 use crate::watch::Work;
@@ -37,11 +38,16 @@ pub(super) struct Reference<'a, D> {
 }
 
 impl<D: SignedDistance> Reference<'_, D> {
-    /// Measures a map.
+    /// Measures a map: its errors, and the points at which one of them is larger than its tolerance.
     ///
     /// # Errors
     /// Cancelled.
-    pub fn errors(&self, map: &VolumeMap, work: &Work) -> Result<MapErrors, Error> {
+    pub fn errors(
+        &self,
+        map: &VolumeMap,
+        tolerances: &Tolerances,
+        work: &Work,
+    ) -> Result<(MapErrors, Vec<DVec3>), Error> {
         let ball = 4.0 / 3.0 * std::f64::consts::PI * self.radius.powi(3);
         let looks = |x: &DVec3| (map.values(*x).volume - self.estimate.volume(*x)).abs();
         let mut order: Vec<(f64, usize)> =
@@ -54,21 +60,33 @@ impl<D: SignedDistance> Reference<'_, D> {
         let errors: Vec<f64> =
             points.iter().zip(exact).map(|(x, exact)| (map.values(*x).volume - exact).abs() / ball).collect();
         let volume = MeasuredError { points: points.len(), ..MeasuredError::of(&errors, &errors[..random]) };
-        let (distance, normal) = self.of_surface(map);
-        Ok(MapErrors { volume, distance, normal })
+        let missed = points.iter().zip(&errors).filter(|(_, error)| **error > tolerances.volume);
+        let mut missed: Vec<DVec3> = missed.map(|(x, _)| *x).collect();
+        let (distance, normal) = self.of_surface(map, tolerances, &mut missed);
+        Ok((MapErrors { volume, distance, normal }, missed))
     }
 
     /// Of distance and normal.
-    fn of_surface(&self, map: &VolumeMap) -> (MeasuredError, MeasuredError) {
+    fn of_surface(
+        &self,
+        map: &VolumeMap,
+        tolerances: &Tolerances,
+        missed: &mut Vec<DVec3>,
+    ) -> (MeasuredError, MeasuredError) {
         let error = |x: &DVec3| {
             let exact = self.phi.at(*x);
             let near = map.sample(*x).near()?;
             let of_distance = (near.distance - exact).abs() / self.radius;
-            (exact <= self.radius).then(|| (of_distance, self.normal_error(*x, near.normal)))
+            (exact <= self.radius).then(|| (*x, of_distance, self.normal_error(*x, near.normal)))
         };
-        let found: Vec<(f64, Option<f64>)> = self.points.par_iter().filter_map(error).collect();
-        let distances: Vec<f64> = found.iter().map(|(distance, _)| *distance).collect();
-        let mut normals: Vec<f64> = found.iter().filter_map(|(_, normal)| *normal).collect();
+        let found: Vec<(DVec3, f64, Option<f64>)> = self.points.par_iter().filter_map(error).collect();
+        let is_missed = |(_, distance, normal): &&(DVec3, f64, Option<f64>)| {
+            let of_normal = normal.zip(tolerances.normal).is_some_and(|(found, most)| found > most);
+            *distance > tolerances.distance || of_normal
+        };
+        missed.extend(found.iter().filter(is_missed).map(|(x, ..)| *x));
+        let distances: Vec<f64> = found.iter().map(|(_, distance, _)| *distance).collect();
+        let mut normals: Vec<f64> = found.iter().filter_map(|(.., normal)| *normal).collect();
         normals.sort_by(f64::total_cmp);
         normals.truncate(normals.len() * 99 / 100);
         (MeasuredError::of(&distances, &distances), MeasuredError::of(&normals, &normals))

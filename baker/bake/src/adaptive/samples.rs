@@ -62,7 +62,12 @@ impl Samples {
     }
 }
 
-fn distances(keys: &[Key], lattice: &FineLattice, phi: &impl SignedDistance, near: &mut Neighbours) -> Vec<f64> {
+fn distances(
+    keys: &[Key],
+    lattice: &FineLattice,
+    phi: &impl SignedDistance,
+    near: &mut Neighbours,
+) -> Vec<f64> {
     let mut values = Vec::with_capacity(keys.len());
     for keys in keys.chunks(Neighbours::MAX) {
         let mut points = [glam::DVec3::ZERO; Neighbours::MAX];

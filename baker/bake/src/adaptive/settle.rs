@@ -74,9 +74,30 @@ impl<D: SignedDistance> Judge<'_, D> {
                 causes.push(cell);
             }
         }
-        causes.sort_unstable_by_key(|cell| (cell.level, cell.at.z, cell.at.y, cell.at.x));
-        causes.dedup();
+        sort(&mut causes);
         causes
+    }
+
+    /// Splits the cells that hold these points, and settles again.
+    ///
+    /// # Errors
+    /// As [`Judge::settle`].
+    pub fn repair(
+        &self,
+        points: &[DVec3],
+        tree: &mut CellTree,
+        known: &mut Known,
+        plan: &Plan,
+    ) -> Result<Settled, Error> {
+        let grid = self.lattice.grid();
+        let mut cells: Vec<LevelCell> = points
+            .iter()
+            .filter_map(|x| tree.holder(grid.locate(*x)?.cell, (*x - grid.origin) / grid.cell_size))
+            .filter(|cell| cell.level < self.lattice.finest())
+            .collect();
+        sort(&mut cells);
+        self.split(cells, tree, known)?;
+        self.settle(tree, known, plan)
     }
 
     fn balance(&self, tree: &mut CellTree, known: &mut Known) -> Result<(), Error> {
@@ -108,7 +129,8 @@ impl<D: SignedDistance> Judge<'_, D> {
         let distance: Vec<f64> = layout.free().map(|node| known.distance.at(keys[node as usize])).collect();
         let all = layout.complete(&distance);
         let difference = |(node, key): (usize, &Key)| {
-            let plane = if at_nodes[node] == 0.0 { 0.0 } else { at_nodes[node] * self.wall.volume(all[node]) };
+            let plane =
+                if at_nodes[node] == 0.0 { 0.0 } else { at_nodes[node] * self.wall.volume(all[node]) };
             known.volume.at(*key) - plane
         };
         let differences: Vec<f64> = keys.par_iter().enumerate().map(difference).collect();
@@ -130,11 +152,17 @@ impl<D: SignedDistance> Judge<'_, D> {
         let cells: Vec<LayoutCell> = layout.cells().collect();
         let targets = |cell: &LayoutCell| {
             let own = LevelCell { level: cell.level, at: cell.index + (margin << cell.level) };
-            self.targets(own, &cell.nodes.map(|node| distance[node as usize]), &of_cell(&corners, cell.number), known)
+            self.targets(
+                own,
+                &cell.nodes.map(|node| distance[node as usize]),
+                &of_cell(&corners, cell.number),
+                known,
+            )
         };
         let targets: Vec<Targets> = cells.par_iter().map(targets).collect();
         let nodes: Vec<[u32; NODES]> = cells.iter().map(|cell| cell.nodes).collect();
-        let node_weights: Vec<f64> = distance.iter().map(|&phi| if self.counts(phi) { 1.0 } else { REST }).collect();
+        let node_weights: Vec<f64> =
+            distance.iter().map(|&phi| if self.counts(phi) { 1.0 } else { REST }).collect();
         let fit = Fit {
             layout,
             cells: &nodes,
@@ -175,6 +203,12 @@ impl<D: SignedDistance> Judge<'_, D> {
     }
 }
 
+/// In an order that doesn't depend on threads, each once.
+fn sort(cells: &mut Vec<LevelCell>) {
+    cells.sort_unstable_by_key(|cell| (cell.level, cell.at.z, cell.at.y, cell.at.x));
+    cells.dedup();
+}
+
 /// w at a cell's corners.
 fn of_cell(weights: &CornerWeights, cell: usize) -> [f64; 8] {
     weights.palette[weights.of_cell[cell] as usize]
@@ -194,6 +228,21 @@ fn weights_at_nodes(layout: &Levels, free: &[u32]) -> Vec<f64> {
 }
 
 impl CellTree {
+    /// The cell of the band that holds a place, in cells of level 0, of one of those.
+    fn holder(&self, root: UVec3, place: DVec3) -> Option<LevelCell> {
+        let mut cell = LevelCell { level: 0, at: root };
+        loop {
+            match self.cells.get(&cell)? {
+                State::Band(_) => return Some(cell),
+                State::Split => {}
+                State::Solid | State::Fluid => return None,
+            }
+            let next = f64::from(2u32 << cell.level);
+            let at = (place * next).floor().as_uvec3().clamp(2 * cell.at, 2 * cell.at + 1);
+            cell = LevelCell { level: cell.level + 1, at };
+        }
+    }
+
     /// The cells of each level as runs, up to the last that has any.
     fn levels(&self, finest: u32, margin: UVec3) -> Vec<LevelCells> {
         let mut levels = vec![LevelCells::default(); finest as usize + 1];
@@ -211,7 +260,9 @@ impl CellTree {
             level.band = joined(std::mem::take(&mut level.band));
             level.solid = joined(std::mem::take(&mut level.solid));
         }
-        while levels.len() > 1 && levels.last().is_some_and(|level| level.band.is_empty() && level.solid.is_empty()) {
+        while levels.len() > 1
+            && levels.last().is_some_and(|level| level.band.is_empty() && level.solid.is_empty())
+        {
             levels.pop();
         }
         levels

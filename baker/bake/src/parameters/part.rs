@@ -58,7 +58,11 @@ impl FromStr for RadiusPart {
         let [least, most] = DISTANCE_TOLERANCES;
         let part = fraction(text).filter(|part| (least..=most).contains(part));
         part.map(RadiusPart).ok_or_else(|| {
-            format!("give {}% to {}% of the support radius, or the same as a number", 100.0 * least, 100.0 * most)
+            format!(
+                "give {}% to {}% of the support radius, or the same as a number",
+                100.0 * least,
+                100.0 * most
+            )
         })
     }
 }

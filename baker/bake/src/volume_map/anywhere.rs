@@ -257,7 +257,12 @@ pub(crate) fn floor(x: f64) -> f64 {
 /// Sum of gamma* at offset + scale x, by Eq. 13 in truncated powers (as in `kernel`).
 #[inline]
 pub(crate) fn sum_on_line(
-    [c0, c1, c2, c3]: &[f64; 4], offset: f64, scale: f64, points: &[f64], weights: &[f64]) -> f64 {
+    [c0, c1, c2, c3]: &[f64; 4],
+    offset: f64,
+    scale: f64,
+    points: &[f64],
+    weights: &[f64],
+) -> f64 {
     let (mut outer, mut inner) = (0.0, 0.0);
     for (x, weight) in points.iter().zip(weights) {
         let x = offset + scale * x;
