@@ -45,6 +45,7 @@ pub mod coupling;
 pub mod cubes;
 pub mod discretization;
 pub mod emitter;
+mod energy;
 pub mod error;
 pub mod fields;
 pub mod forces;

@@ -52,8 +52,7 @@ impl Fields {
 
     /// Solves for the pressures that bring the density back to rest; `accelerations` hold the answer.
     pub fn correct_density(&mut self, solve: &Solve) -> SolveReport {
-        let error = |density: f32| (density - 1.0).min(MOST_CORRECTION);
-        self.sources(solve, |density, rate, dt| (error(density) / (dt * dt) + rate / dt, true));
+        self.sources(solve, |density, rate, dt| (to_correct(density) / (dt * dt) + rate / dt, true));
         self.iterate(solve, false)
     }
 
@@ -246,6 +245,11 @@ impl Fields {
 
 /// The errors of a block, some thousands at most, are summed up in as many parts, so that several are added at once.
 const PARTS: usize = 8;
+
+/// What of a density's error a step corrects.
+pub(crate) fn to_correct(density: f32) -> f32 {
+    (density - 1.0).min(MOST_CORRECTION)
+}
 
 /// A Jacobi step of a block's particles: `out` has what their pressures compress, and gets the new ones. The sum of
 /// the errors.

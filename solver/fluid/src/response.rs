@@ -57,6 +57,19 @@ impl<'a> Response<'a> {
         self.add(&motions, flux);
     }
 
+    /// Energy that the pressures give to the bodies in a step of `dt` seconds, to each particle's mass: what is in
+    /// proportion to them, by the known accelerations, and what is to their square; `factor` as above.
+    pub fn energy(&self, factor: impl Fn(&Contact) -> f32, dt: f64) -> [f64; 2] {
+        let pushes = coupling::sum(self.bodies, self.contacts.iter().copied(), factor, self.mass);
+        let mut out = [0.0; 2];
+        for (body, ([force, torque], [linear, angular])) in pushes.iter().zip(&self.known).enumerate() {
+            let [along, about] = self.bodies.response(body, *force, *torque);
+            out[0] += dt * dt / self.mass * (force.dot(*linear) + torque.dot(*angular));
+            out[1] += 0.5 * dt * dt / self.mass * (force.dot(along) + torque.dot(about));
+        }
+        out
+    }
+
     /// Adds to `factors`, one for each particle, a bound of what giving way does there to all pressures of one: the
     /// sum of the absolute values in its row of the system. Jacobi's steps stay stable with it, however light a body
     /// is.

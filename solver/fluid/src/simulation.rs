@@ -22,7 +22,7 @@ use crate::pairs::Quad;
 use crate::pairs::table::MOST;
 use crate::particles::{CHUNK, Particles};
 use crate::plane;
-use crate::pressure::{Solve, forces_on_bodies};
+use crate::pressure::{Solve, forces_on_bodies, to_correct};
 use crate::report::SolveReport;
 use crate::response::Response;
 use crate::room::{self, Room};
@@ -386,6 +386,10 @@ impl Simulation {
                 fields.correct_density(&solve)
             }
         };
+        if solve.wall.is_more_than_own() {
+            let error = |density| if goal == Goal::Density { to_correct(density) } else { 0.0 };
+            fields.bound_energy(&solve, error);
+        }
         let forces = forces_on_bodies(&self.bodies, &fields, &solve, self.particle_mass());
         fields::accelerate(&mut fields.velocities, &fields.accelerations, dt);
         if goal == Goal::Density {

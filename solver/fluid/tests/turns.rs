@@ -4,7 +4,7 @@
 use volmap_fluid::bodies::{Bodies, Motion};
 use volmap_fluid::observe::{centre, kinetic_energy, momenta, until, velocities};
 use volmap_fluid::particles::Particles;
-use volmap_fluid::settings::{FluidSettings, ViscosityMethod, World};
+use volmap_fluid::settings::{FluidSettings, TimeStepSettings, ViscosityMethod, World};
 use volmap_fluid::setup::Setup;
 use volmap_fluid::shapes::{baked, cuboid};
 use volmap_fluid::simulation::Simulation;
@@ -99,6 +99,24 @@ fn long_steps_flow_as_short_explicit_ones() {
     assert!(many > 20 * few && exact.y < -0.005, "{many} {few} {exact}");
     assert!((moved - exact).length() < 0.05 * exact.length(), "{moved} {exact}");
     assert!((got / energy - 1.0).abs() < 0.1, "{got} {energy}");
+}
+
+/// A thick block beside a wall: the wall's pressure, which no viscous stress of the wall's answers, pushes it away while
+/// it spreads. That isn't made by long steps, as they push no more than short ones.
+#[test]
+fn a_thick_block_leaves_a_wall_in_long_steps_as_in_short_ones() {
+    let moved = |dt: f64| {
+        let mut setup = standing(10.0, [5, 8, 6], DVec3::new(-0.3, 0.0, -0.15));
+        setup.solver.time_step =
+            TimeStepSettings { initial: dt, min: dt, max: dt, ..TimeStepSettings::default() };
+        let mut simulation = Simulation::new(setup).unwrap();
+        let start = centre(&simulation);
+        until(&mut simulation, 0.3, &mut |_, _| ()).unwrap();
+        centre(&simulation) - start
+    };
+    let (exact, found) = (moved(2e-4), moved(2e-3));
+    assert!((0.003..0.006).contains(&exact.x) && found.x < 1.1 * exact.x, "{found} {exact}");
+    assert!((found.y / exact.y - 1.0).abs() < 0.4, "{found} {exact}");
 }
 
 /// Pressures press apart what lies in each other, but give it no speed.

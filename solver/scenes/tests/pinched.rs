@@ -26,7 +26,11 @@ const METHODS: [&str; 9] = [
 const NO_ROOM: f64 = 1.38;
 
 fn scene(keys: &str) -> Scene {
-    let text = format!(r#"{{"version": 1, "particle_radius": {RP}, "stop": {{"time": 1}}, {keys}}}"#);
+    scene_of(keys, RP)
+}
+
+fn scene_of(keys: &str, rp: f64) -> Scene {
+    let text = format!(r#"{{"version": 1, "particle_radius": {rp}, "stop": {{"time": 1}}, {keys}}}"#);
     let mut scene =
         parse(&text, Syntax::Json, "pinched.json").unwrap_or_else(|error| panic!("{error}\n{text}"));
     scene.cache = Some(Path::new(env!("CARGO_TARGET_TMPDIR")).join("maps"));
@@ -34,7 +38,11 @@ fn scene(keys: &str) -> Scene {
 }
 
 fn simulation(keys: &str) -> Simulation {
-    let scene = scene(keys);
+    simulation_of(keys, RP)
+}
+
+fn simulation_of(keys: &str, rp: f64) -> Simulation {
+    let scene = scene_of(keys, rp);
     let prepared = prepare(&scene, &Default::default(), &mut |_| ()).unwrap();
     Simulation::new(assemble(&scene, prepared).unwrap()).unwrap()
 }
@@ -257,6 +265,51 @@ fn pressures_of_the_walls_are_stable_where_walls_make_most_of_a_density() {
             let report = simulation.step().unwrap();
             assert!(report.max_speed < 4.0 && report.removed == 0, "{pressure}: {} m/s", report.max_speed);
         }
+    }
+}
+
+#[test]
+fn pressures_of_the_walls_throw_no_film_out() {
+    let rp = 0.0125;
+    for (pressure, speed) in [("mirror", 0.1), ("mirror", 0.5), ("mls", 0.5)] {
+        let (width, height, low) = (0.3, 4.0 * rp, 2.0 * rp);
+        let seconds = (height - low) / speed;
+        let motion = moving([0.0, height + 0.05, 0.0], [0.0, low + 0.05, 0.0], seconds);
+        let plate = cuboid([width, 0.1, width], [0.0; 3], &motion);
+        let floor = cuboid([2.0, 0.2, 2.0], [0.0, -0.1, 0.0], "");
+        let fluid = block([-0.1375, 0.0, -0.1375], [0.1375, height, 0.1375], [0.0; 3]);
+        let keys = format!(
+            r#""gravity": [0, 0, 0], "fluid": {{"viscosity": 0}}, {fluid}, "bodies": [{floor}, {plate}],
+            "domain": {{"min": [-3, -1, -3], "max": [3, 1, 3]}}, "solver": {{"boundary_pressure": "{pressure}"}}"#
+        );
+        let mut simulation = simulation_of(&keys, rp);
+        let mut fastest = 0.0_f64;
+        while simulation.time() < seconds {
+            fastest = fastest.max(simulation.step().unwrap().max_speed);
+        }
+        // Continuity: v h = V x; and as fast as what begins too dense beside a wall comes apart.
+        let flow = speed * 0.5 * width / low + 1.0;
+        assert!(fastest > speed && fastest < flow, "{pressure}, {speed} m/s: {fastest} of {flow} m/s");
+    }
+}
+
+#[test]
+fn heavy_bodies_that_fall_into_water_throw_none_of_it_by_pressures_of_the_walls() {
+    // `paper` rests at 2.8 rp; the fluid begins at 1.
+    for pressure in ["mirror", "sph", "mls"] {
+        let tank = cuboid([0.4, 0.8, 0.4], [0.0, 0.4, 0.0], r#", "bake": {"invert": true}"#);
+        let body = cuboid([0.2; 3], [0.0, 0.35, 0.0], r#", "motion": {"free": {"density": 20000}}"#);
+        let fluid = block([-0.2, 0.0, -0.2], [0.2, 0.1, 0.2], [0.0; 3]);
+        let solver = format!(r#""solver": {{"boundary_pressure": "{pressure}"}}, "closure": "paper""#);
+        let mut simulation = simulation(&format!(r#"{fluid}, "bodies": [{tank}, {body}], {solver}"#));
+        let mut fastest = 0.0_f64;
+        while simulation.time() < 0.5 {
+            let report = simulation.step().unwrap();
+            assert_eq!(report.removed, 0);
+            fastest = fastest.max(report.max_speed);
+        }
+        let flow = (2.0_f64 * 9.81 * 0.25).sqrt() * 0.1 / RP;
+        assert!(fastest < flow, "{pressure}: {fastest} of {flow} m/s");
     }
 }
 

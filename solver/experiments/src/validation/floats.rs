@@ -1,7 +1,7 @@
 //! Balls and boxes in water: Archimedes. A floating body displaces its weight of water; one that is held under
 //! water is pushed up by the weight of what it displaces.
 
-use super::flow::{GRAVITY, lattice, volume_below, water_of};
+use super::flow::{GRAVITY, lattice, liquid_of, volume_below};
 use super::released::release;
 use super::{Experiment, Outcome, Row, Run, chart, curve};
 use volmap_bake::random::Random;
@@ -9,7 +9,7 @@ use volmap_figures::picture::colours::DISTINCT;
 use volmap_fluid::Error;
 use volmap_fluid::bodies::{BodyDescription, FreeBody, Motion, Weight};
 use volmap_fluid::observe::line;
-use volmap_fluid::settings::World;
+use volmap_fluid::settings::{FluidSettings, World};
 use volmap_fluid::shapes::{Shape, baked, ball, cuboid};
 use volmap_fluid::simulation::Simulation;
 use volmap_formats::mesh::TriangleMesh;
@@ -19,14 +19,16 @@ use volmap_runtime::{DVec3, KernelKind, Pose, VolumeMap};
 pub const EXPERIMENT: Experiment = Experiment {
     name: "floats",
     title: "Archimedes",
-    about: "A ball and a box held under water, floating at 100 to 900 kg/m^3, and a ball released under water",
+    about: "A ball and a box held under water, floating in water and mercury, and a ball released under water",
     run,
 };
 
 /// Half the tank's width, and the water's depth without a body, metres.
 const HALF_WIDTH: f64 = 0.4;
 const DEPTH: f64 = 0.6;
+/// Densities of water and mercury, kg/m^3.
 const RHO: f64 = 1000.0;
+const MERCURY: f64 = 13534.0;
 
 /// Half of the ball's and the box's width, metres.
 const HALF: f64 = 0.16;
@@ -35,16 +37,22 @@ fn run(run: &Run) -> Result<Outcome, Error> {
     let mut outcome = Outcome::default();
     held(run, &mut outcome)?;
     let mut curves = Vec::new();
-    let densities: &[f64] = run.pick(&[500.0], &[100.0, 250.0, 500.0, 750.0, 900.0]);
-    for (across, most) in [(8.0, 0.04), (16.0, 0.02)] {
-        let tank = Tank::of(2.0 * HALF / across)?;
-        for (name, shape) in [("ball", tank.baked(ball(HALF, 5))?), ("box", tank.baked(cube())?)] {
-            for &density in densities {
-                let case = format!("{name}, {across} rp, {density} kg/m^3");
-                (run.progress)(&format!("floats: {case}"));
-                let colour = DISTINCT[curves.len() % DISTINCT.len()];
-                let floating = Floating { case: &case, density, most };
-                curves.push(curve(case.clone(), colour, floating.run(run, &mut outcome, &tank, &shape)?));
+    let parts: &[f64] = run.pick(&[0.5], &[0.1, 0.25, 0.5, 0.75, 0.9]);
+    for (liquid, rest_density) in [("", RHO), (" in mercury", MERCURY)] {
+        for (across, most) in [(8.0, 0.04), (16.0, 0.02)] {
+            let tank = Tank { rest_density, ..Tank::of(2.0 * HALF / across)? };
+            for (name, shape) in [("ball", tank.baked(ball(HALF, 5))?), ("box", tank.baked(cube())?)] {
+                for &part in parts {
+                    let density = part * rest_density;
+                    let case = format!("{name}{liquid}, {across} rp, {} kg/m^3", density.round());
+                    (run.progress)(&format!("floats: {case}"));
+                    let floating = Floating { case: &case, density, most };
+                    let points = floating.run(run, &mut outcome, &tank, &shape)?;
+                    if rest_density == RHO {
+                        let colour = DISTINCT[curves.len() % DISTINCT.len()];
+                        curves.push(curve(case.clone(), colour, points));
+                    }
+                }
             }
         }
     }
@@ -89,6 +97,8 @@ struct Tank {
     shape: Shape,
     /// Particle radius, metres.
     radius: f64,
+    /// Of what is in it, kg/m^3.
+    rest_density: f64,
     /// Of the sums over neighbours, and its support radius in rp.
     kernel: (KernelKind, f64),
 }
@@ -102,7 +112,7 @@ pub(super) fn of_kernel(
 ) -> Result<(), Error> {
     let radius = 0.02;
     let support = kernel.1 * radius;
-    let tank = Tank { shape: baked(hollow(), support, true)?, radius, kernel };
+    let tank = Tank { shape: baked(hollow(), support, true)?, radius, rest_density: RHO, kernel };
     let ball = tank.baked(ball(HALF, 5))?;
     // As long as the short form: the ball has come to rest by then.
     let floating = Floating { case: &format!("{case}, 500 kg/m^3"), density: 500.0, most: 0.03 };
@@ -111,17 +121,17 @@ pub(super) fn of_kernel(
 }
 
 impl Tank {
-    /// For particles of a radius (metres) with the default kernel.
+    /// Of water, for particles of a radius (metres) with the default kernel.
     fn of(radius: f64) -> Result<Tank, Error> {
         let kernel = (KernelKind::CubicSpline, 4.0);
-        Ok(Tank { shape: baked(hollow(), 4.0 * radius, true)?, radius, kernel })
+        Ok(Tank { shape: baked(hollow(), 4.0 * radius, true)?, radius, rest_density: RHO, kernel })
     }
 
     fn baked(&self, mesh: TriangleMesh) -> Result<Shape, Error> {
         baked(mesh, self.kernel.1 * self.radius, false)
     }
 
-    /// Water with a body in it; free bodies only.
+    /// The liquid with a body in it; free bodies only.
     fn with(&self, body: BodyDescription) -> Result<Simulation, Error> {
         let (size, radius) = (DVec3::new(HALF_WIDTH, DEPTH, HALF_WIDTH), self.radius);
         let clear = |map: &VolumeMap, x: DVec3| map.values(x).distance > 0.9 * radius;
@@ -132,7 +142,8 @@ impl Tank {
         let (kernel, support) = self.kernel;
         let world =
             World { particle_radius: radius, support_radius: support * radius, kernel, ..World::default() };
-        water_of(world, &places, 0.01, vec![tank, body])
+        let fluid = FluidSettings { rest_density: self.rest_density, ..FluidSettings::default() };
+        liquid_of(world, fluid, &places, vec![tank, body])
     }
 }
 
@@ -202,8 +213,9 @@ fn pressure_line(simulation: &Simulation) -> [f64; 2] {
         aside > 0.27 && aside < HALF_WIDTH - 3.0 * rp && x.y > 4.0 * rp && x.y < DEPTH - 6.0 * rp
     };
     let pressures = simulation.pressures();
+    let density = simulation.particle_mass() / simulation.particle_volume();
     let all = simulation.particles().positions.iter().zip(&pressures).filter(|(x, _)| far(x));
-    let points: Vec<[f64; 2]> = all.map(|(x, &p)| [x.y, f64::from(p) / (RHO * GRAVITY)]).collect();
+    let points: Vec<[f64; 2]> = all.map(|(x, &p)| [x.y, f64::from(p) / (density * GRAVITY)]).collect();
     line(&points)
 }
 
@@ -266,7 +278,7 @@ impl Floating<'_> {
         shape: &Shape,
     ) -> Result<Vec<[f64; 2]>, Error> {
         let end = run.pick(1.6, 3.0);
-        let part = self.density / RHO;
+        let part = self.density / tank.rest_density;
         // It begins a little higher than it floats.
         let height = DEPTH + 2.0 * HALF * (0.5 - part) + 0.05;
         let body = shape.body("body", DVec3::new(0.0, height, 0.0), free(self.density, false));

@@ -21,7 +21,7 @@ pub fn lattice(min: DVec3, max: DVec3, particle_radius: f64) -> Vec<DVec3> {
 /// Water at rest at these positions (metres) with a viscosity (m^2/s), the default kernel and a support radius of 4 rp.
 ///
 /// # Errors
-/// As [`water_of`].
+/// As [`liquid_of`].
 pub fn water(
     particle_radius: f64,
     places: &[DVec3],
@@ -29,24 +29,25 @@ pub fn water(
     bodies: Vec<BodyDescription>,
 ) -> Result<Simulation, Error> {
     let world = World { particle_radius, support_radius: 4.0 * particle_radius, ..World::default() };
-    water_of(world, places, viscosity, bodies)
+    let fluid = FluidSettings { viscosity, ..FluidSettings::default() };
+    liquid_of(world, fluid, places, bodies)
 }
 
-/// The same of any kernel, under the default gravity.
+/// The same of any kernel and fluid, under the default gravity.
 ///
 /// # Errors
 /// As [`Bodies::new`].
-pub fn water_of(
+pub fn liquid_of(
     world: World,
+    fluid: FluidSettings,
     places: &[DVec3],
-    viscosity: f64,
     bodies: Vec<BodyDescription>,
 ) -> Result<Simulation, Error> {
     let mut particles = Particles::default();
     particles.add(places, &vec![[0.0; 3]; places.len()]);
     let bodies = Bodies::new(bodies, world.gravity)?;
     Simulation::new(Setup {
-        fluid: FluidSettings { viscosity, ..FluidSettings::default() },
+        fluid,
         solver: solver(world.particle_radius),
         ..Setup::new(world, particles, bodies)
     })
