@@ -554,6 +554,12 @@ mod tests {
     use super::*;
     use volmap_formats::asset::{CellRun, GridSpec};
 
+    /// One copy for each type of answer: to compile them takes long.
+    #[inline(never)]
+    fn plainly<A: Evaluate>(map: &VolumeMap, points: &[DVec3], out: &mut [A]) {
+        All { map, points, out }.run::<Plain>();
+    }
+
     #[test]
     fn wide_vectors_have_the_bits_of_plain_ones() {
         let grid = GridSpec { origin: [-1.0, -2.0, 0.5], cell_size: [0.3, 0.2, 0.25], resolution: [5, 4, 3] };
@@ -570,24 +576,24 @@ mod tests {
             let (mut wide, mut plain) =
                 (vec![Sample::Outside; points.len()], vec![Sample::Outside; points.len()]);
             answer_all(&map, &points, &mut wide);
-            All { map: &map, points: &points, out: &mut plain }.run::<Plain>();
+            plainly(&map, &points, &mut plain);
             let near = wide.iter().filter(|sample| sample.near().is_some()).count();
             assert!((1_000..points.len()).contains(&near), "{near}");
             let bits = |samples: &[Sample]| format!("{samples:?}");
             assert_eq!(bits(&wide), bits(&plain));
             let (mut wide, mut others) = (vec![None::<MapDensity>; points.len()], vec![None; points.len()]);
             answer_all(&map, &points, &mut wide);
-            All { map: &map, points: &points, out: &mut others }.run::<Plain>();
+            plainly(&map, &points, &mut others);
             assert_eq!(format!("{wide:?}"), format!("{others:?}"));
             let mut sloped = vec![Sample::<SurfaceWithGradient>::Outside; points.len()];
             let mut others = sloped.clone();
             answer_all(&map, &points, &mut sloped);
-            All { map: &map, points: &points, out: &mut others }.run::<Plain>();
+            plainly(&map, &points, &mut others);
             assert_eq!(format!("{sloped:?}"), format!("{others:?}"));
             assert!(sloped.iter().map(|near| near.map(|near| near.surface)).eq(plain.iter().copied()));
             for (&point, &expected) in points.iter().zip(&plain) {
                 let mut alone = Sample::Outside;
-                All { map: &map, points: &[point], out: std::slice::from_mut(&mut alone) }.run::<Plain>();
+                plainly(&map, &[point], std::slice::from_mut(&mut alone));
                 assert_eq!(alone, expected);
             }
         }
