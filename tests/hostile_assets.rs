@@ -2,6 +2,8 @@
 //! not the HDF5 checksums have been made right again. A binary of its own, because memory is counted for the
 //! whole process.
 
+#[path = "../runtime/tests/analytic/mod.rs"]
+mod analytic;
 #[path = "hostile_assets/checksums.rs"]
 mod checksums;
 #[path = "hostile_assets/mutate.rs"]
@@ -20,7 +22,9 @@ use volmap_bake::density_map::DensitySettings;
 use volmap_bake::plan::{GridChoice, MapSettings, Precision};
 use volmap_bake::volume_map::quadrature::Rule;
 use volmap_bake::watch::Watch;
-use volmap_formats::asset::{self, Array, Asset, AssetError, CellRun, Compression, DensityField, Rounded};
+use volmap_formats::asset::{
+    self, Array, Asset, AssetError, CellRun, Compression, DensityField, LevelCells, Rounded,
+};
 use volmap_runtime::{DVec2, DVec3, Error, MapDensity, Sample, VolumeMap};
 use volmap_tests::{Random, SPHERE, asset_of, compute};
 
@@ -130,7 +134,7 @@ fn disc() -> Asset {
     .unwrap()
 }
 
-fn originals() -> [Original; 7] {
+fn originals() -> [Original; 8] {
     let outside = MapSettings::default();
     let container = MapSettings { invert: true, ..MapSettings::default() };
     let dense = MapSettings { density: Some(DensitySettings::default()), ..MapSettings::default() };
@@ -143,6 +147,7 @@ fn originals() -> [Original; 7] {
         // Two chunks a field, so with chunk indexes.
         original("large", in_single_precision(sphere(32, &outside)), Compression::Zstd(3)),
         original("density", in_single_precision(sphere(6, &dense)), Compression::Zstd(3)),
+        original("adaptive", in_single_precision(analytic::adaptive_ball(3)), Compression::Zstd(3)),
     ]
 }
 
@@ -251,7 +256,7 @@ fn checksums_made_anew_are_the_old_ones() {
         assert_eq!(metadata, signatures(&original.file).len(), "{}", original.name);
         let expected = match original.name {
             "large" => 6,
-            "density" => 5,
+            "density" | "adaptive" => 5,
             _ => 4,
         };
         assert_eq!(chunks, expected, "{}", original.name);
@@ -304,9 +309,11 @@ fn damaged_assets_are_refused_or_unchanged() {
 fn every_byte_of_the_metadata_counts_or_means_nothing() {
     let _alone = alone();
     let mut tally = Tally::default();
-    let [_, _, _, single, rounded, _, dense] = originals();
+    let [_, _, _, single, rounded, _, dense, adaptive] = originals();
     let places = |original| Original::metadata(original).map(move |at| (original, at));
-    for (original, at) in places(&single).chain(places(&rounded)).chain(places(&dense)) {
+    for (original, at) in
+        places(&single).chain(places(&rounded)).chain(places(&dense)).chain(places(&adaptive))
+    {
         for change in [0x01, 0xFF] {
             let mut bytes = original.file.clone();
             bytes[at] ^= change;
@@ -402,12 +409,54 @@ const INVALID_DENSITY: [Change; 4] = [
 
 #[test]
 fn invalid_numbers_of_a_density_are_refused() {
-    let [.., dense] = originals();
+    let [.., dense, _] = originals();
     for (name, change) in INVALID_DENSITY {
         let mut asset = dense.asset.clone();
         change(&mut asset);
         let error = file_of(&asset, Compression::Zstd(1)).map(|_| ()).map_err(Error::from).expect_err(name);
         assert_eq!(kind(&error), "refused by the writer", "{name}: {error}");
+    }
+}
+
+/// The same for cells of several levels.
+const INCONSISTENT_LEVELS: [Change; 14] = [
+    ("level 16", |a| a.finer.resize(16, a.finer[1].clone())),
+    ("levels swapped", |a| a.finer.swap(0, 1)),
+    ("level missing", |a| _ = a.finer.remove(0)),
+    ("level twice", |a| a.finer.push(a.finer[1].clone())),
+    ("finest level left out", |a| _ = a.finer.pop()),
+    ("cell within a cell", |a| a.band_cells = vec![CellRun { i: 0, j: 0, k: 1, len: 4 }]),
+    ("fine run past the row", |a| a.finer[1].band[0].len = 17),
+    ("fine run whose end overflows", |a| a.finer[0].band[0].len = u32::MAX),
+    ("fine run missing", |a| _ = a.finer[1].band.pop()),
+    ("a weight less", |a| _ = a.plane_weight.as_mut().unwrap().pop()),
+    ("no weights", |a| a.plane_weight = Some(vec![0])),
+    ("weight 2", |a| a.plane_weight.as_mut().unwrap()[3] = 2),
+    ("a million cells in a run", |a| {
+        a.grid.resolution = [1 << 10, 6, 4];
+        a.finer.resize(10, LevelCells::default());
+        a.finer[9].band = (0..2_000).map(|j| CellRun { i: 0, j, k: 1 << 10, len: 1 << 19 }).collect();
+    }),
+    ("a million solid cells in a run", |a| {
+        a.grid.resolution = [1 << 10, 6, 4];
+        a.finer.resize(10, LevelCells::default());
+        a.finer[9].solid = (0..2_000).map(|j| CellRun { i: 0, j, k: 1 << 10, len: 1 << 19 }).collect();
+    }),
+];
+
+/// Lists that would name billions of cells are refused before any is made.
+#[test]
+fn levels_that_claim_more_than_they_hold_take_little_memory() {
+    let _alone = alone();
+    let [.., adaptive] = originals();
+    for (name, change) in INCONSISTENT_LEVELS {
+        let mut asset = adaptive.asset.clone();
+        change(&mut asset);
+        let before = MEMORY.current_usage();
+        MEMORY.reset_peak_usage();
+        assert!(VolumeMap::from_asset(&asset).is_err(), "{name}");
+        let memory = (MEMORY.peak_usage() - before) / MIB;
+        assert!(memory < 16, "{name}: {memory} MiB");
     }
 }
 
@@ -462,16 +511,19 @@ fn last(asset: &Asset) -> CellRun {
 
 #[test]
 fn content_that_contradicts_itself_is_refused() {
-    let [_, single, _, _, rounded, _, dense] = originals();
+    let [_, single, _, _, rounded, _, dense, adaptive] = originals();
     let all = INCONSISTENT.iter().map(|change| (&single, change));
     let all = all.chain(INCONSISTENT_IN_16_BITS.iter().map(|change| (&rounded, change)));
-    for (original, (name, change)) in all.chain(INCONSISTENT_DENSITY.iter().map(|change| (&dense, change))) {
+    let all = all.chain(INCONSISTENT_DENSITY.iter().map(|change| (&dense, change)));
+    for (original, (name, change)) in all.chain(INCONSISTENT_LEVELS.iter().map(|change| (&adaptive, change)))
+    {
         let mut asset = original.asset.clone();
         change(&mut asset);
         let error = VolumeMap::from_asset(&asset).map(|map| samples(&map)).expect_err(name);
         let counts =
             ["one distance less", "one volume more", "no fields", "run missing", "run longer", "no runs"];
-        let counts = kind(&error) == "content: inconsistent" && counts.contains(name);
+        let counts = kind(&error) == "content: inconsistent"
+            && (counts.contains(name) || INCONSISTENT_LEVELS.iter().any(|(of_levels, _)| of_levels == name));
         assert!(counts || kind(&error) == "invalid value", "{name}: {error}");
         // The writer refuses what the reader would; the counts of nodes the loader must.
         let file = file_of(&asset, Compression::Zstd(1)).map_err(Error::from);

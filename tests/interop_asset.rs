@@ -2,7 +2,10 @@
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use volmap_formats::asset::{self, Asset, Compression};
 use volmap_tests::python;
+
+use crate::analytic_maps::{adaptive_ball, in_steps, single};
 
 /// The program, beside the folder of the tests; `cargo build --release` makes it.
 pub fn volmap() -> PathBuf {
@@ -47,6 +50,26 @@ fn reader_written_from_the_specification_agrees() {
     for (mesh, options) in BAKES {
         let asset = bake(folder.path(), mesh, options);
         print!("{}", run(Command::new(python()).arg(&script).arg(&asset).arg("--against").arg(volmap())));
+    }
+}
+
+/// Of several levels, against a flat wall and without, in each precision.
+#[test]
+fn reader_written_from_the_specification_agrees_on_adaptive_maps() {
+    let folder = tempfile::tempdir().unwrap();
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("interop/compare_reader.py");
+    let double = adaptive_ball(4);
+    let plain = Asset { plane_weight: None, ..adaptive_ball(3) };
+    let all = [
+        ("double", double),
+        ("single", single(&adaptive_ball(3))),
+        ("plain", plain),
+        ("steps", in_steps(&adaptive_ball(2))),
+    ];
+    for (name, adaptive) in all {
+        let path = folder.path().join(name).with_extension("h5");
+        asset::write(&path, &adaptive, Compression::default()).unwrap();
+        print!("{}", run(Command::new(python()).arg(&script).arg(&path).arg("--against").arg(volmap())));
     }
 }
 

@@ -10,6 +10,9 @@ mod tolerance;
 mod volume;
 
 #[cfg(feature = "interop")]
+#[path = "../runtime/tests/analytic/mod.rs"]
+mod analytic_maps;
+#[cfg(feature = "interop")]
 mod interop_asset;
 #[cfg(feature = "interop")]
 mod interop_export;

@@ -6,7 +6,7 @@
 #[path = "../tests/analytic/mod.rs"]
 mod analytic;
 
-use analytic::{Oracle, Random, asset, single};
+use analytic::{Oracle, Random, adaptive_asset, asset, single};
 use std::hint::black_box;
 use std::time::Instant;
 use volmap_formats::asset::{Asset, CellRun, GridSpec};
@@ -78,14 +78,14 @@ fn seconds(work: impl FnOnce()) -> f64 {
     start.elapsed().as_secs_f64()
 }
 
-/// Nanoseconds a point: oracle, samples alone, batch, batch of values.
-fn queries(map: &VolumeMap, oracle: &Oracle, points: &[DVec3]) -> [f64; 4] {
+/// Nanoseconds a point: oracle (of uniform maps), samples alone, batch, batch of values.
+fn queries(map: &VolumeMap, oracle: Option<&Oracle>, points: &[DVec3]) -> [f64; 4] {
     let (mut samples, mut values) = (Vec::<Sample>::new(), Vec::<Values>::new());
     let mut times: [Vec<f64>; 4] = Default::default();
     for _ in 0..ROUNDS {
         times[0].push(seconds(|| {
             samples.clear();
-            samples.extend(points.iter().map(|&x| oracle.sample(x).0));
+            samples.extend(oracle.iter().flat_map(|oracle| points.iter().map(|&x| oracle.sample(x).0)));
         }));
         times[1].push(seconds(|| {
             samples.clear();
@@ -101,15 +101,19 @@ fn queries(map: &VolumeMap, oracle: &Oracle, points: &[DVec3]) -> [f64; 4] {
 
 fn report(name: &str, asset: &Asset) {
     let map = VolumeMap::from_asset(asset).unwrap();
-    let oracle = Oracle::new(asset);
+    let oracle = (!asset.is_adaptive()).then(|| Oracle::new(asset));
     let mut points = particles(&map);
     let opened = median((0..ROUNDS).map(|_| seconds(|| drop(VolumeMap::from_asset(asset)))).collect());
     let megabytes = map.memory_bytes() as f64 / 1e6;
     for order in ["random", "sorted"] {
         if order == "sorted" {
-            points.sort_by_key(|&x| map.grid().locate(x).map(|at| (at.cell.z, at.cell.y, at.cell.x)));
+            let (origin, size) = (map.grid().origin, map.finest_cell_size());
+            points.sort_by_key(|&x| {
+                let cell = ((x - origin) / size).as_uvec3();
+                (cell.z, cell.y, cell.x)
+            });
         }
-        let [plain, alone, batch, values] = queries(&map, &oracle, &points);
+        let [plain, alone, batch, values] = queries(&map, oracle.as_ref(), &points);
         println!(
             "{name:22} {order:7} {plain:8.1} {alone:8.1} {batch:8.1} {values:8.1}  {:6.2} {megabytes:6.2}",
             1e3 * opened
@@ -131,5 +135,10 @@ fn main() {
         let double = torus(resolution, margin);
         report(&format!("{name} f32"), &single(&double));
         report(&format!("{name} f64"), &double);
+    }
+    // From cells of 4 r to cells of r / 2; the same by difference from a flat wall's volume.
+    let grid = GridSpec { origin: [-1.2, -0.8, -1.2], cell_size: [0.4; 3], resolution: [6, 4, 6] };
+    for (name, weight) in [("adaptive", 0), ("adaptive, flat wall", 1)] {
+        report(&format!("{name} f32"), &single(&adaptive_asset(grid, 4, phi, volume, |_| weight)));
     }
 }

@@ -44,21 +44,26 @@ impl Walls {
     }
 
     #[inline(always)]
+    fn entry(&self, tree: &Tree, place: Place) -> usize {
+        self.of_cell[tree.cell(place)] as usize
+    }
+
+    #[inline(always)]
     fn weights<V: Lanes>(&self, tree: &Tree, places: &[Place; LANES], f: &[V; 3]) -> Option<Weighted<V>> {
-        let entry = |place: Place| self.of_cell[tree.cell(place)] as usize;
-        let c: [V; 8] = if *places == [places[0]; LANES] {
-            let entry = entry(places[0]);
+        let [p, q, r, s] = *places;
+        let c: [V; 8] = if *places == [p; LANES] {
+            let entry = self.entry(tree, p);
             if entry == 0 {
                 return None;
             }
-            self.palette[entry].map(V::splat)
+            splat(&self.palette[entry])
         } else {
-            let entries = places.map(entry);
+            let entries =
+                [self.entry(tree, p), self.entry(tree, q), self.entry(tree, r), self.entry(tree, s)];
             if entries == [0; LANES] {
                 return None;
             }
-            let each = entries.map(|entry| self.palette[entry]);
-            std::array::from_fn(|n| V::new(each.map(|coefficients| coefficients[n])))
+            gather(&self.palette, entries)
         };
         let [x, y, z] = *f;
         let (along_x, along_y) = (c[5] + c[7] * y, c[6] + c[7] * x);
@@ -70,6 +75,26 @@ impl Walls {
             slope,
         })
     }
+}
+
+// No closures in what follows: they would not be compiled for the processor that has the lanes.
+#[inline(always)]
+fn splat<V: Lanes>(c: &[f64; 8]) -> [V; 8] {
+    let mut out = [V::splat(0.0); 8];
+    for (out, &c) in out.iter_mut().zip(c) {
+        *out = V::splat(c);
+    }
+    out
+}
+
+#[inline(always)]
+fn gather<V: Lanes>(palette: &[[f64; 8]], [p, q, r, s]: [usize; LANES]) -> [V; 8] {
+    let [p, q, r, s] = [&palette[p], &palette[q], &palette[r], &palette[s]];
+    let mut out = [V::splat(0.0); 8];
+    for (n, out) in out.iter_mut().enumerate() {
+        *out = V::new([p[n], q[n], r[n], s[n]]);
+    }
+    out
 }
 
 /// Of the trilinear polynomial with these values at the corners of the unit cube.
@@ -114,12 +139,16 @@ impl Finder for AdaptiveCells {
 
     #[inline(always)]
     fn frame<V: Lanes>(&self, per_cell: DVec3, places: &[Place; LANES], f: &[V; 3]) -> OfLevels<V> {
-        let scale = V::new(places.map(|place| self.tree.scale(place)));
-        let axis = |per_cell: f64| V::splat(per_cell) * scale;
-        OfLevels {
-            per_cell: [axis(per_cell.x), axis(per_cell.y), axis(per_cell.z)],
-            weighted: self.walls.as_ref().and_then(|walls| walls.weights(&self.tree, places, f)),
-        }
+        let [p, q, r, s] = *places;
+        let tree = &self.tree;
+        let scale = V::new([tree.scale(p), tree.scale(q), tree.scale(r), tree.scale(s)]);
+        let weighted = match &self.walls {
+            Some(walls) => walls.weights(tree, places, f),
+            None => None,
+        };
+        let per_cell =
+            [V::splat(per_cell.x) * scale, V::splat(per_cell.y) * scale, V::splat(per_cell.z) * scale];
+        OfLevels { per_cell, weighted }
     }
 }
 
@@ -148,19 +177,28 @@ impl<V: Lanes> Frame<V> for OfLevels<V> {
 
     #[inline(always)]
     fn wall(&self, distance: V) -> [V; 2] {
-        self.weighted.as_ref().map_or([V::splat(0.0); 2], |weighted| weighted.wall.at(distance))
+        match &self.weighted {
+            Some(weighted) => weighted.wall.at(distance),
+            None => [V::splat(0.0); 2],
+        }
     }
 
     #[inline(always)]
     fn volume(&self, [wall, _]: [V; 2], stored: V) -> V {
-        self.weighted.as_ref().map_or(stored, |weighted| stored + weighted.weight * wall)
+        match &self.weighted {
+            Some(weighted) => stored + weighted.weight * wall,
+            None => stored,
+        }
     }
 
     #[inline(always)]
-    fn volume_slope(&self, [wall, along]: [V; 2], stored: [V; 3], distance: [V; 3]) -> [V; 3] {
-        let Some(weighted) = &self.weighted else { return stored };
+    fn volume_slope(&self, [wall, along]: [V; 2], [x, y, z]: [V; 3], distance: [V; 3]) -> [V; 3] {
+        let Some(weighted) = &self.weighted else { return [x, y, z] };
         let along = weighted.weight * along;
-        let axis = |n: usize| stored[n] + (along * distance[n] + wall * weighted.slope[n]);
-        [axis(0), axis(1), axis(2)]
+        [
+            x + (along * distance[0] + wall * weighted.slope[0]),
+            y + (along * distance[1] + wall * weighted.slope[1]),
+            z + (along * distance[2] + wall * weighted.slope[2]),
+        ]
     }
 }

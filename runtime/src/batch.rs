@@ -78,9 +78,9 @@ impl Evaluate for Sample {
 
     #[inline(always)]
     fn near<V: Lanes, F: Frame<V>>(at: &Evaluated<V, F>, which: &[u32], out: &mut [Sample]) {
-        let surfaces = at.surfaces().0;
-        for (surface, &point) in surfaces.iter().zip(which) {
-            out[point as usize] = Sample::Near(*surface);
+        let seen = at.seen();
+        for (lane, &point) in which.iter().enumerate() {
+            out[point as usize] = Sample::Near(seen.surface(lane));
         }
     }
 }
@@ -102,10 +102,11 @@ impl Evaluate for Sample<SurfaceWithGradient> {
         which: &[u32],
         out: &mut [Sample<SurfaceWithGradient>],
     ) {
-        let (surfaces, wall, slope) = at.surfaces();
-        let slope = at.frame.volume_slope(wall, at.volume.gradient(&at.weights), slope);
+        let seen = at.seen();
+        let slope = at.frame.volume_slope(seen.wall, at.volume.gradient(&at.weights), seen.slope);
         let gradients = at.per_point(slope);
-        for ((&surface, &volume_gradient), &point) in surfaces.iter().zip(&gradients).zip(which) {
+        for (lane, &point) in which.iter().enumerate() {
+            let (surface, volume_gradient) = (seen.surface(lane), in_lane(&gradients, lane));
             out[point as usize] = Sample::Near(SurfaceWithGradient { surface, volume_gradient });
         }
     }
@@ -127,7 +128,8 @@ impl Evaluate for Option<MapDensity> {
         let value = at.volume.value(&at.weights).array();
         let gradients = at.per_point(at.volume.gradient(&at.weights));
         for (lane, &point) in which.iter().enumerate() {
-            out[point as usize] = Some(MapDensity { value: value[lane], gradient: gradients[lane] });
+            out[point as usize] =
+                Some(MapDensity { value: value[lane], gradient: in_lane(&gradients, lane) });
         }
     }
 
@@ -160,36 +162,66 @@ impl<V: Lanes, F: Frame<V>> Evaluated<V, F> {
         Evaluated { points, weights, distance, volume, frame }
     }
 
-    /// The surface as each point sees it; what a flat wall adds, and the slope of the distance in the cell.
     #[inline(always)]
-    fn surfaces(&self) -> ([Surface; LANES], F::Wall, [V; 3]) {
+    fn seen(&self) -> Seen<V, F::Wall> {
         let distance = self.distance.value(&self.weights);
         let wall = self.frame.wall(distance);
         let volume = self.frame.volume(wall, self.volume.value(&self.weights)).array();
         let slope = self.distance.gradient(&self.weights);
         let per_cell = self.frame.per_cell();
         let n = unit([slope[0] * per_cell[0], slope[1] * per_cell[1], slope[2] * per_cell[2]]);
-        let closest = |axis: usize| (self.points[axis] - distance * n[axis]).array();
-        let (x, y, z) = (closest(0), closest(1), closest(2));
-        let n = [n[0].array(), n[1].array(), n[2].array()];
-        let distance = distance.array();
-        let surface = |lane: usize| Surface {
-            distance: distance[lane],
-            normal: DVec3::new(n[0][lane], n[1][lane], n[2][lane]),
-            closest_point: DVec3::new(x[lane], y[lane], z[lane]),
-            volume: volume[lane],
-        };
-        ([surface(0), surface(1), surface(2), surface(3)], wall, slope)
+        let [x, y, z] = self.points;
+        Seen {
+            closest: arrays([x - distance * n[0], y - distance * n[1], z - distance * n[2]]),
+            normal: arrays(n),
+            distance: distance.array(),
+            volume,
+            wall,
+            slope,
+        }
     }
 
     /// Gradients with respect to the points, from slopes in their cells.
     #[inline(always)]
-    fn per_point(&self, slope: [V; 3]) -> [DVec3; LANES] {
+    fn per_point(&self, slope: [V; 3]) -> [[f64; LANES]; 3] {
         let per_cell = self.frame.per_cell();
-        let axis = |axis: usize| (slope[axis] * per_cell[axis]).array();
-        let (x, y, z) = (axis(0), axis(1), axis(2));
-        [0, 1, 2, 3].map(|lane| DVec3::new(x[lane], y[lane], z[lane]))
+        arrays([slope[0] * per_cell[0], slope[1] * per_cell[1], slope[2] * per_cell[2]])
     }
+}
+
+/// The surface as four points see it.
+struct Seen<V, W> {
+    distance: [f64; LANES],
+    volume: [f64; LANES],
+    normal: [[f64; LANES]; 3],
+    closest: [[f64; LANES]; 3],
+    /// What a flat wall adds to the volume.
+    wall: W,
+    /// The distance's, in the cell.
+    slope: [V; 3],
+}
+
+impl<V, W> Seen<V, W> {
+    #[inline(always)]
+    fn surface(&self, lane: usize) -> Surface {
+        Surface {
+            distance: self.distance[lane],
+            normal: in_lane(&self.normal, lane),
+            closest_point: in_lane(&self.closest, lane),
+            volume: self.volume[lane],
+        }
+    }
+}
+
+// No closures here: they would not be compiled for the processor that has the lanes.
+#[inline(always)]
+fn arrays<V: Lanes>([x, y, z]: [V; 3]) -> [[f64; LANES]; 3] {
+    [x.array(), y.array(), z.array()]
+}
+
+#[inline(always)]
+fn in_lane([x, y, z]: &[[f64; LANES]; 3], lane: usize) -> DVec3 {
+    DVec3::new(x[lane], y[lane], z[lane])
 }
 
 /// Vectors of length 1, or zero where that can't be.
@@ -497,9 +529,8 @@ fn one<V: Lanes, S: Storage + ?Sized, C: Finder, A: Evaluate>(
         Found::Band(place) => {
             let mut shared = Differences::none();
             shared.load::<V, S, C>(asked, place);
-            let lanes = |v: DVec3| [V::splat(v.x), V::splat(v.y), V::splat(v.z)];
-            let (point, f) = (lanes(point), lanes(f));
-            let frame = cells.frame(map.per_cell, &[place; LANES], &f);
+            let (point, f) = (in_all_lanes(point), in_all_lanes(f));
+            let frame = cells.frame::<V>(map.per_cell, &[place; LANES], &f);
             let evaluated = Evaluated::new(&shared.numbers, point, f, frame);
             A::near(&evaluated, &[0], std::slice::from_mut(out));
         }
@@ -508,15 +539,26 @@ fn one<V: Lanes, S: Storage + ?Sized, C: Finder, A: Evaluate>(
     }
 }
 
+#[inline(always)]
+fn in_all_lanes<V: Lanes>(v: DVec3) -> [V; 3] {
+    [V::splat(v.x), V::splat(v.y), V::splat(v.z)]
+}
+
 #[cfg(test)]
 #[path = "../tests/analytic/mod.rs"]
 mod analytic;
 
 #[cfg(test)]
 mod tests {
-    use super::analytic::{Random, asset, single, with_density};
+    use super::analytic::{Random, adaptive_ball, asset, single, with_density};
     use super::*;
     use volmap_formats::asset::{CellRun, GridSpec};
+
+    /// One copy for each type of answer: to compile them takes long.
+    #[inline(never)]
+    fn plainly<A: Evaluate>(map: &VolumeMap, points: &[DVec3], out: &mut [A]) {
+        All { map, points, out }.run::<Plain>();
+    }
 
     #[test]
     fn wide_vectors_have_the_bits_of_plain_ones() {
@@ -524,7 +566,7 @@ mod tests {
         let band = (0..12).map(|row| CellRun { i: row % 2, j: row % 4, k: row / 4, len: 3 }).collect();
         let wave = |x: DVec3| (x.x * 5.0 + x.y * 7.0).sin() + x.z * x.z;
         let double = with_density(asset(grid, [band, Vec::new()], wave, |x| 0.01 * wave(x)), 300.0);
-        for asset in [single(&double), double] {
+        for asset in [single(&double), double, adaptive_ball(3), single(&adaptive_ball(3))] {
             let map = VolumeMap::from_asset(&asset).unwrap();
             let mut random = Random(9);
             let (low, high) = (map.grid.origin, map.grid.max_corner());
@@ -534,24 +576,24 @@ mod tests {
             let (mut wide, mut plain) =
                 (vec![Sample::Outside; points.len()], vec![Sample::Outside; points.len()]);
             answer_all(&map, &points, &mut wide);
-            All { map: &map, points: &points, out: &mut plain }.run::<Plain>();
+            plainly(&map, &points, &mut plain);
             let near = wide.iter().filter(|sample| sample.near().is_some()).count();
             assert!((1_000..points.len()).contains(&near), "{near}");
             let bits = |samples: &[Sample]| format!("{samples:?}");
             assert_eq!(bits(&wide), bits(&plain));
             let (mut wide, mut others) = (vec![None::<MapDensity>; points.len()], vec![None; points.len()]);
             answer_all(&map, &points, &mut wide);
-            All { map: &map, points: &points, out: &mut others }.run::<Plain>();
+            plainly(&map, &points, &mut others);
             assert_eq!(format!("{wide:?}"), format!("{others:?}"));
             let mut sloped = vec![Sample::<SurfaceWithGradient>::Outside; points.len()];
             let mut others = sloped.clone();
             answer_all(&map, &points, &mut sloped);
-            All { map: &map, points: &points, out: &mut others }.run::<Plain>();
+            plainly(&map, &points, &mut others);
             assert_eq!(format!("{sloped:?}"), format!("{others:?}"));
             assert!(sloped.iter().map(|near| near.map(|near| near.surface)).eq(plain.iter().copied()));
             for (&point, &expected) in points.iter().zip(&plain) {
                 let mut alone = Sample::Outside;
-                All { map: &map, points: &[point], out: std::slice::from_mut(&mut alone) }.run::<Plain>();
+                plainly(&map, &[point], std::slice::from_mut(&mut alone));
                 assert_eq!(alone, expected);
             }
         }

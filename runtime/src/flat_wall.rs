@@ -54,24 +54,32 @@ impl FlatWall {
 fn over_pi<V: Lanes>(q: V) -> [V; 2] {
     let c = V::splat;
     let q = q.min(c(2.0)).max(c(-1.0));
-    let above = |from: f64| (c(from) - q).max(c(0.0));
-    // t^4 and t^5 (1/10 + s t/60) with its derivative.
-    let fifth = |t: V, s: f64| {
-        let square = t * t;
-        let fourth = square * square;
-        [fourth * (t * (c(0.1) + c(s / 60.0) * t)), fourth * (c(0.5) + c(s / 10.0) * t)]
-    };
-    let [f2, df2] = fifth(above(2.0), -1.0);
-    let [f3, df3] = fifth(above(1.5), -1.0);
-    let [g2, dg2] = fifth(above(0.0), 1.0);
-    let [g3, dg3] = fifth(above(-0.5), 1.0);
-    let t = above(1.0);
+    let [f2, df2] = fifth(above(2.0, q), -1.0);
+    let [f3, df3] = fifth(above(1.5, q), -1.0);
+    let [g2, dg2] = fifth(above(0.0, q), 1.0);
+    let [g3, dg3] = fifth(above(-0.5, q), 1.0);
+    let t = above(1.0, q);
     let square = t * t;
     let h = (square * square) * (c(1.0) + t * (c(0.4) - c(0.1) * t));
     let dh = (square * t) * (c(4.0) + t * (c(2.0) - c(0.6) * t));
     let value = (c(2.0) * f2 - c(8.0) * f3) + h + (c(2.0) * g2 - c(8.0) * g3);
     let slope = (c(2.0) * df2 - c(8.0) * df3) + dh + (c(2.0) * dg2 - c(8.0) * dg3);
     [value, c(0.0) - slope]
+}
+
+/// (from - q)+
+#[inline(always)]
+fn above<V: Lanes>(from: f64, q: V) -> V {
+    (V::splat(from) - q).max(V::splat(0.0))
+}
+
+/// t^5 (1/10 + s t/60) and its derivative.
+#[inline(always)]
+fn fifth<V: Lanes>(t: V, s: f64) -> [V; 2] {
+    let c = V::splat;
+    let square = t * t;
+    let fourth = square * square;
+    [fourth * (t * (c(0.1) + c(s / 60.0) * t)), fourth * (c(0.5) + c(s / 10.0) * t)]
 }
 
 #[cfg(test)]

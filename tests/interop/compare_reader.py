@@ -26,7 +26,8 @@ TOLERANCE = 1e-12
 
 def choose_points(asset):
     rng = np.random.default_rng(1)
-    low, size, resolution = asset.origin, asset.cell_size, asset.resolution
+    finer = 2 ** (len(asset.levels) - 1) if asset.adaptive else 1
+    low, size, resolution = asset.origin, asset.cell_size / finer, asset.resolution * finer
     high = low + size * resolution
     inside = rng.uniform(low, high, (1000, 3))
     corners = low + size * rng.integers(0, resolution + 1, (500, 3))
@@ -102,8 +103,8 @@ def refuse_damage(volmap, path, folder):
         if "scale_factor" in file["fields/volume"].attrs:
             known["scale_factor"] = file["fields/volume"].attrs["scale_factor"].tobytes()
         places |= {name: content.find(value) for name, value in known.items()}
-        density = (read_asset.DENSITY,) * (read_asset.DENSITY in file)
-        for name in read_asset.TABLES + read_asset.FIELDS + density:
+        others = tuple(name for name in (read_asset.DENSITY, read_asset.WEIGHT) if name in file)
+        for name in read_asset.TABLES + read_asset.FIELDS + others:
             if file[name].size:
                 chunk = file[name].id.get_chunk_info(0)
                 places[name] = chunk.byte_offset + chunk.size // 2

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Reads volmap assets (HDF5, format versions 1 to 4): load(path).sample(points).
+"""Reads volmap assets (HDF5, format versions 1 to 5): load(path).sample(points).
 
 Written from SPEC.md alone; it shares no code with the Rust reader. Section numbers are SPEC.md's.
 Needs numpy, h5py, hdf5plugin and blake3. Command line:
@@ -28,6 +28,7 @@ COLUMNS = "distance", "nx", "ny", "nz", "cx", "cy", "cz", "volume"
 TABLES = "/cells/band", "/cells/solid"
 FIELDS = "/fields/signed_distance", "/fields/volume"
 DENSITY = "/fields/density"  # of versions 2 and 4
+WEIGHT = "/fields/plane_weight"  # of version 5
 DENSITY_COLUMNS = "density", "gx", "gy", "gz"
 GROUPS = "/", "/bake", "/cells", "/diagnosis", "/fields", "/grid", "/quadrature", "/source"
 
@@ -102,12 +103,12 @@ def check_root(file, fields):
     need(text(file, "blake3") == total.hexdigest(), "checksum of the attributes doesn't match")
 
 
-def dataset(file, path, kinds, axes):
+def dataset(file, path, kinds, axes, columns=4):
     """(name of the type, elements), with the checksum compared."""
     data = file[path]
     found = next((kind for kind in kinds if any(data.id.get_type().equal(t) for t in ELEMENTS[kind])), None)
     need(found, f"{path}: type")
-    need(data.shape is not None and len(data.shape) == axes and data.shape[1:] == (4,) * (axes - 1), f"{path}: shape")
+    need(data.shape is not None and len(data.shape) == axes and data.shape[1:] == (columns,) * (axes - 1), f"{path}: shape")
     need(math.prod(data.chunks or ()) * data.dtype.itemsize <= 1 << 20, f"{path}: a chunk of more than 1 MiB")
     values = data[()].astype(data.dtype.newbyteorder("<"))
     extents = b"".join(map(u64le, data.shape))
@@ -210,6 +211,116 @@ def shape_functions(xi):
     return n, dn
 
 
+# Adaptive maps: section 14 ------------------------------------------------------------------------
+
+PLACES = np.array([*BITS] + [((t + 1) / 3, b, c) for c in (0, 1) for b in (0, 1) for t in (0, 1)]
+                  + [(a, (t + 1) / 3, c) for c in (0, 1) for a in (0, 1) for t in (0, 1)]
+                  + [(a, b, (t + 1) / 3) for b in (0, 1) for a in (0, 1) for t in (0, 1)])
+SIXTHS = np.rint(6 * PLACES / 2).astype(np.int64)  # of a cell's nodes, in sixths of a cell twice as large
+
+
+class Level:
+    """The cells and nodes of one level; `coarse` is the level before."""
+
+    def __init__(self, band, solid, resolution, first_node, first_cell, coarse):
+        self.band, self.solid, self.resolution = Runs(band, resolution), Runs(solid, resolution), resolution
+        self.first_cell, self.first_node = first_cell, first_node
+        self.indices = self.band.indices()
+        nodes, counts = number_nodes(self.indices, resolution)
+        self.nodes = nodes + first_node
+        self.count, corners = sum(counts), counts[0]
+        self.end = first_node + self.count
+        # Per node: the cell that constrains it, or -1, and its place there in sixths.
+        self.owner = np.full(self.count, -1)
+        self.sixths = np.zeros((self.count, 3), np.int64)
+        if coarse and coarse.band.cells and self.count:
+            place = np.zeros((self.count, 3), np.int64)
+            place[self.nodes - first_node] = 3 * self.indices[:, None] + SIXTHS
+            # First by (k, j, i): the lowest of up to eight cells counts, so it is written last.
+            for lower in BITS:
+                cell = place // 6 - lower
+                touches = ((place >= 6 * cell) & (place <= 6 * cell + 6) & (cell >= 0)
+                           & (cell < coarse.resolution)).all(1)
+                found = np.where(touches, coarse.band.find(cell_number(cell, coarse.resolution)), -1)
+                has = found >= 0
+                self.owner[has], self.sixths[has] = found[has], (place - 6 * cell)[has]
+        free = first_node + np.flatnonzero(self.owner < 0)
+        self.free, self.free_corners = free, free[free < first_node + corners]
+
+
+def cell_number(cell, resolution):
+    return (cell[..., 2] * resolution[1] + cell[..., 1]) * resolution[0] + cell[..., 0]
+
+
+def complete(levels, values, corners_only=False, rounded=lambda values: values):
+    """The values of all nodes from those of the free ones; all are `rounded`."""
+    free = np.concatenate([level.free_corners if corners_only else level.free for level in levels])
+    need(len(values) == len(free), "not as many values as free nodes")
+    out = np.zeros(levels[-1].end)
+    out[free] = rounded(values)
+    for coarse, level in zip(levels, levels[1:]):
+        at = np.flatnonzero(level.owner >= 0)
+        if not len(at):
+            continue
+        xi = level.sixths[at] / 3 - 1
+        nodes = coarse.nodes[level.owner[at]]
+        shape = trilinear(xi) if corners_only else shape_functions(xi)[0]
+        out[level.first_node + at] = rounded((shape * out[nodes[:, : shape.shape[1]]]).sum(1))
+    return out
+
+
+def trilinear(xi):
+    return ((1 + (2 * BITS - 1) * xi[:, None]) / 2).prod(2)
+
+
+def trilinear_slopes(xi):
+    side = 2 * BITS - 1
+    factor = (1 + side * xi[:, None]) / 2
+    return np.stack([side[:, a] / 2 * factor[:, :, b] * factor[:, :, c] for a, (b, c) in enumerate(OTHERS)], 2)
+
+
+def half_space(q):
+    """U(q)."""
+    q = np.maximum(q, -1)
+
+    def above(x, power):
+        return np.maximum(x, 0) ** power
+
+    def f(t, sign):
+        return above(t, 5) * (1 / 10 + sign * t / 60)
+
+    t = np.maximum(1 - q, 0)
+    return (2 * f(2 - q, -1) - 8 * f(1.5 - q, -1) + above(t, 4) * (1 + 2 * t / 5 - t**2 / 10)
+            + 2 * f(-q, 1) - 8 * f(-0.5 - q, 1))
+
+
+def make_levels(band, solid, resolution):
+    """The levels of two tables, with partition and balance checked."""
+    for table in band, solid:
+        need((np.diff(table[:, 0].astype(np.int64)) >= 0).all(), "levels out of order")
+    count = 1 + max((int(table[:, 0].max()) for table in (band, solid) if len(table)), default=0)
+    need(count <= 16 and ((resolution << (count - 1)) <= 1 << 20).all(), "too many levels")
+    levels, first_node, first_cell = [], 0, 0
+    for number in range(count):
+        tables = (table[table[:, 0] == number, 1:] for table in (band, solid))
+        level = Level(*tables, resolution << number, first_node, first_cell, levels[-1] if levels else None)
+        levels.append(level)
+        first_node, first_cell = level.end, first_cell + level.band.cells
+    for number, level in enumerate(levels):
+        listed = np.concatenate([level.indices, level.solid.indices()])
+        need(len(np.unique(cell_number(listed, level.resolution))) == len(listed), "a cell is both band and solid")
+        for up in range(1, number + 1):
+            coarse = levels[number - up]
+            parents = cell_number(listed >> up, coarse.resolution)
+            need((coarse.band.find(parents) < 0).all() and (coarse.solid.find(parents) < 0).all(), "cells in cells")
+            if up >= 2:
+                around = np.array(np.meshgrid(*[(-1, 0, 1)] * 3)).reshape(3, -1).T
+                near = (level.indices[:, None] + around).reshape(-1, 3)
+                near = near[((near >= 0) & (near < level.resolution)).all(1)]
+                need((coarse.band.find(cell_number(near >> up, coarse.resolution)) < 0).all(), "not balanced")
+    return levels
+
+
 # The map: sections 7 and 9 ------------------------------------------------------------------------
 
 
@@ -222,9 +333,9 @@ class Map:
             raise Refused("not an asset") from None
         version = numbers(file, "format_version", "u")
         need(version >= 1, "format_version is 0")
-        need(version <= 4, f"the file is newer than this reader: format version {version}")
-        self.plane = version >= 3
-        self.fields = FIELDS + (DENSITY,) * (version % 2 == 0)
+        need(version <= 5, f"the file is newer than this reader: format version {version}")
+        self.plane, self.adaptive = version in (3, 4), version == 5
+        self.fields = FIELDS + (DENSITY,) * (version % 2 == 0) + (WEIGHT,) * self.adaptive
         for path in GROUPS + TABLES + self.fields:
             kind = h5py.Group if path in GROUPS else h5py.Dataset
             need(path in file and isinstance(file[path], kind), f"{path} is missing")
@@ -256,6 +367,28 @@ class Map:
 
         decoded = sum((file[path].size or 0) * file[path].dtype.itemsize for path in TABLES + self.fields)
         need(decoded <= 4096 * os.path.getsize(file.filename) + (16 << 20), "too large for the file's size")
+        if self.adaptive:
+            self.read_levels(file)
+        else:
+            self.read_cells(file)
+        self.density = self.read_density(file) if version % 2 == 0 else None
+
+    def read_levels(self, file):
+        band, solid = (dataset(file, path, ["u32"], 2, 5)[1] for path in TABLES)
+        (precision, phi, phi_error), (same, volume, volume_error) = (field(file, path) for path in FIELDS)
+        need(precision == same, "the fields have two types")
+        need(band[:, 4].sum(dtype=np.int64) <= len(phi) == len(volume), "length of the fields")
+        self.levels = make_levels(band, solid, self.resolution)
+        self.precision, self.max_error = precision, (phi_error, volume_error)
+        # Readers may round to the type of the fields, and the one that this is held against does.
+        rounded = (lambda values: values) if precision == "f64" else lambda values: values.astype(np.float32)
+        self.phi, self.volume = (complete(self.levels, values, rounded=rounded) for values in (phi, volume))
+        weight = dataset(file, WEIGHT, ["u32"], 1)[1].astype(np.int64)
+        need((weight <= 1).all(), "weights other than 0 and 1")
+        self.weight = complete(self.levels, weight.astype(float), True) if len(weight) else np.zeros(len(self.phi))
+        self.nodes = np.concatenate([level.nodes for level in self.levels])
+
+    def read_cells(self, file):
         self.band, self.solid = (Runs(dataset(file, path, ["u32"], 2)[1], self.resolution) for path in TABLES)
         runs = np.concatenate([np.stack([t.start, t.start + t.length]) for t in (self.band, self.solid)], 1)
         start, end = runs[:, np.argsort(runs[0], kind="stable")]
@@ -271,7 +404,25 @@ class Map:
         need(sum(self.counts) == len(phi), "length of the fields")
         self.precision, self.phi, self.volume = precision, self.all_nodes(phi), self.all_nodes(volume)
         self.max_error = phi_error, volume_error
-        self.density = self.read_density(file) if version % 2 == 0 else None
+
+    def find_in_levels(self, cell, f, per):
+        """(number among all band cells or -1, whether solid, 2 / cell size of the band cells, place in the cell)."""
+        stored, deep = np.full(len(cell), -1), np.zeros(len(cell), bool)
+        scale, open_ = np.ones(len(cell)), np.ones(len(cell), bool)
+        cell, f = cell.copy(), f.copy()
+        for number, level in enumerate(self.levels):
+            at = cell_number(cell, level.resolution)
+            found = level.band.find(at)
+            hit = open_ & (found >= 0)
+            stored[hit] = level.first_cell + found[hit]
+            scale[hit] = 2.0**number
+            deep |= open_ & (level.solid.find(at) >= 0)
+            # Where nothing is listed, no finer cell will be: to go on does no harm.
+            open_ &= ~hit
+            up = 2 * f >= 1
+            cell[open_] = (2 * cell + up)[open_]
+            f[open_] = (2 * f - up)[open_]
+        return stored, deep, per * scale[stored >= 0, None], f
 
     def all_nodes(self, values):
         return spread(values, self.counts) if self.plane else values
@@ -306,14 +457,16 @@ class Map:
 
         p = p[inside]
         cell = np.minimum(np.floor(p).astype(np.int64), self.resolution - 1)
-        i, j, k = cell.T
-        number = (k * self.resolution[1] + j) * self.resolution[0] + i
-        stored = self.band.find(number)
-        deep = self.solid.find(number) >= 0
+        f = p - cell
+        if self.adaptive:
+            stored, deep, per, f = self.find_in_levels(cell, f, per)
+        else:
+            number = cell_number(cell, self.resolution)
+            stored, deep = self.band.find(number), self.solid.find(number) >= 0
         region[inside] = np.where(stored >= 0, BAND, np.where(deep, DEEP_INSIDE, OUTSIDE))
 
         band = region == BAND
-        stored, xi = self.nodes[stored[stored >= 0]], (2 * (p - cell) - 1)[stored >= 0]
+        stored, xi = self.nodes[stored[stored >= 0]], (2 * f - 1)[stored >= 0]
         n, dn = shape_functions(xi)
         phi = self.phi[stored]
         distance = np.full(len(points), np.nan)
@@ -322,6 +475,9 @@ class Map:
         volume = np.where(region == DEEP_INSIDE, self.ball_volume, 0.0)
         distance[band] = (n * phi).sum(1)
         volume[band] = (n * self.volume[stored]).sum(1)
+        if self.adaptive:
+            weight = (trilinear(xi) * self.weight[stored[:, :8]]).sum(1)
+            volume[band] += weight * self.ball_volume * half_space(distance[band] / self.support_radius) / half_space(-1)
         density = np.where((region == DEEP_INSIDE)[:, None], np.nan, np.zeros((1, 4)))
         if self.density is not None:
             rho = self.density[stored]

@@ -6,8 +6,8 @@ use volmap_formats::asset::{
     Array, Asset, Attributes, CellRun, DensityField, Dimension, Exterior, GridSpec, QuadratureSpec, Rounded,
 };
 use volmap_runtime::layout::serendipity::shape_and_gradient;
-use volmap_runtime::layout::{Cell, CellIndex, Nodes};
-use volmap_runtime::{DVec3, Grid, MapDensity, Sample, Surface};
+use volmap_runtime::layout::{Cell, CellIndex, FlatWall, LevelCells, Levels, Nodes, serendipity};
+use volmap_runtime::{DVec3, Grid, MapDensity, Sample, Surface, UVec3};
 
 /// Random numbers (xorshift), the same in every run.
 pub struct Random(pub u64);
@@ -53,6 +53,84 @@ pub fn asset(
         source: Attributes::default(),
         diagnosis: Attributes::default(),
     }
+}
+
+/// A ball of 0.5 m in cells of so many levels, finer towards its surface; r is 0.1 m. Volume is against a flat wall where
+/// x > 0.
+pub fn adaptive_ball(levels: u32) -> Asset {
+    let grid = GridSpec { origin: [-0.8, -0.9, -1.0], cell_size: [0.4, 0.3, 0.5], resolution: [4, 6, 4] };
+    let phi = |x: DVec3| x.length() - 0.5;
+    let wall = FlatWall::new(0.1, 0.004);
+    let volume = |x: DVec3| wall.volume(phi(x)) * (1.0 + 0.3 * (0.1 - phi(x)).max(0.0));
+    adaptive_asset(grid, levels, phi, volume, |x| u32::from(x.x > 0.0))
+}
+
+/// An adaptive asset, divided where the surface is near; `weight` is asked at corners.
+pub fn adaptive_asset(
+    grid: GridSpec,
+    levels: u32,
+    phi: impl Fn(DVec3) -> f64,
+    v: impl Fn(DVec3) -> f64,
+    weight: impl Fn(DVec3) -> u32,
+) -> Asset {
+    let lattice = Grid::from(grid);
+    let cells = divided(&lattice, levels, &phi);
+    let layout = Levels::new(lattice, &cells).expect("distances grade the levels");
+    let places = layout.positions();
+    let weights: Vec<u32> = layout.free_corners().map(|node| weight(places[node as usize])).collect();
+    let corners = layout.complete_weights(&weights);
+    let wall = FlatWall::new(0.1, 0.004);
+    // The weights of all nodes, by the cells that have them.
+    let mut weight_at = vec![0.0; layout.count()];
+    for cell in layout.cells() {
+        let corners = &corners.palette[corners.of_cell[cell.number] as usize];
+        for (a, &node) in cell.nodes.iter().enumerate() {
+            weight_at[node as usize] = trilinear(corners, serendipity::node(a));
+        }
+    }
+    let free: Vec<usize> = layout.free().map(|node| node as usize).collect();
+    let stored = |&node: &usize| v(places[node]) - weight_at[node] * wall.volume(phi(places[node]));
+    let mut levels = cells.into_iter();
+    let first = levels.next().expect("one level at least");
+    Asset {
+        signed_distance: Array::F64(free.iter().map(|&node| phi(places[node])).collect()),
+        volume: Array::F64(free.iter().map(stored).collect()),
+        finer: levels.collect(),
+        plane_weight: Some(weights),
+        ..asset(grid, [first.band, first.solid], |_| 0.0, |_| 0.0)
+    }
+}
+
+/// Of values at the corners of the reference cell.
+pub fn trilinear(corners: &[f64; 8], xi: DVec3) -> f64 {
+    let side = |a: usize| DVec3::from([0, 1, 2].map(|axis| (a >> axis & 1) as f64 * 2.0 - 1.0));
+    (0..8).map(|a| corners[a] * (0.5 * (DVec3::ONE + side(a) * xi)).element_product()).sum()
+}
+
+/// Cells are divided if the surface is within two of their diagonals, which leaves them balanced.
+fn divided(grid: &Grid, levels: u32, phi: impl Fn(DVec3) -> f64) -> Vec<LevelCells> {
+    let n = grid.resolution;
+    let mut of_level: Vec<UVec3> =
+        (0..n.element_product()).map(|at| UVec3::new(at % n.x, at / n.x % n.y, at / (n.x * n.y))).collect();
+    let mut out = Vec::new();
+    for level in 0..levels {
+        let size = grid.cell_size / f64::from(1 << level);
+        let (mut cells, mut next) = ([Vec::new(), Vec::new()], Vec::new());
+        of_level.sort_by_key(|cell| (cell.z, cell.y, cell.x));
+        for cell in of_level {
+            let distance = phi(grid.origin + size * (cell.as_dvec3() + 0.5));
+            if level + 1 < levels && distance.abs() < 2.0 * size.length() {
+                next.extend((0..8).map(|n| 2 * cell + UVec3::new(n & 1, n >> 1 & 1, n >> 2 & 1)));
+            } else if distance < 0.2 + 0.5 * size.length() {
+                let solid = usize::from(distance < -0.2 - 0.5 * size.length());
+                cells[solid].push(CellRun { i: cell.x, j: cell.y, k: cell.z, len: 1 });
+            }
+        }
+        let [band, solid] = cells;
+        out.push(LevelCells { band, solid });
+        of_level = next;
+    }
+    out
 }
 
 /// The same asset with fields of single precision.

@@ -5,7 +5,9 @@
 mod samples;
 
 use std::path::Path;
-use volmap_formats::asset::{self, Array, Asset, CellRun, Compression, Dimension, Exterior, GridSpec, QuadratureSpec};
+use volmap_formats::asset::{
+    self, Array, Asset, CellRun, Compression, Dimension, Exterior, GridSpec, LevelCells, QuadratureSpec,
+};
 use volmap_formats::export::cdm;
 use volmap_formats::mesh::MeshFormat;
 use volmap_report::export::discregrid::discregrid;
@@ -43,8 +45,21 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut short = asset();
     short.bake.clear();
     asset::write(&corpus.join("open_asset/short"), &short, Compression::Zstd(1))?;
-    // Grid, radius, exterior, volume of the ball; one run in the band, none in the solid; two fields; points.
-    let content = [&[1; 12][..], &[1, 0, 0, 0, 1, 0, 3, 9, 3, 5], &[8; 40]].concat();
+    // Beside the cell an eighth of one that doesn't touch it: all 64 nodes are free.
+    let corner = LevelCells { band: vec![CellRun { i: 3, j: 0, k: 0, len: 1 }], solid: Vec::new() };
+    let field = |scale: f32| Array::F32((0..64).map(|n| scale * (n as f32 - 16.0)).collect());
+    let adaptive = Asset {
+        solid_cells: Vec::new(),
+        finer: vec![corner],
+        signed_distance: field(0.01),
+        volume: field(0.0001),
+        plane_weight: Some(vec![1; 16]),
+        ..asset()
+    };
+    asset::write(&corpus.join("open_asset/adaptive"), &adaptive, Compression::Zstd(1))?;
+    // Grid, radius, exterior, volume of the ball; one run in the band, none in the solid; no finer
+    // level; two fields; points.
+    let content = [&[1; 12][..], &[1, 0, 0, 0, 1, 0, 0, 3, 9, 3, 5], &[8; 40]].concat();
     std::fs::write(corpus.join("open_content/one_cell"), content)?;
     std::fs::write(corpus.join("import_cdm/one_cell"), cdm::to_bytes(&discregrid(&asset(), true)?))?;
     for (number, sample) in samples::boxes().into_iter().enumerate() {

@@ -2,8 +2,11 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use volmap_formats::asset::{Array, Asset, Attributes, CellRun, Dimension, Exterior, GridSpec, QuadratureSpec};
-use volmap_runtime::{DVec3, VolumeMap};
+use volmap_formats::asset::{
+    Array, Asset, Attributes, CellRun, Dimension, Exterior, GridSpec, LevelCells, QuadratureSpec,
+};
+use volmap_runtime::layout::Levels;
+use volmap_runtime::{DVec3, Grid, VolumeMap};
 
 /// Numbers from the fuzzer's bytes, zeros at the end.
 struct Numbers<'a>(&'a [u8]);
@@ -51,6 +54,25 @@ impl Numbers<'_> {
     }
 }
 
+/// Makes fields and weights of an adaptive map that fit its cells.
+fn fit_levels(asset: &mut Asset, numbers: &mut Numbers) {
+    // Told as wrong: all lists are in order otherwise.
+    if asset.check().is_err() {
+        return;
+    }
+    let first = LevelCells { band: asset.band_cells.clone(), solid: asset.solid_cells.clone() };
+    let cells: Vec<LevelCells> = std::iter::once(first).chain(asset.finer.iter().cloned()).collect();
+    let runs = || cells.iter().flat_map(|level| level.band.iter().chain(&level.solid));
+    if runs().map(|run| u64::from(run.len)).sum::<u64>() > 1 << 12 {
+        return;
+    }
+    let Ok(levels) = Levels::new(Grid::from(asset.grid), &cells) else { return };
+    asset.signed_distance = numbers.array(levels.free_count());
+    asset.volume = numbers.array(levels.free_count());
+    let weights = levels.free_corner_count() + usize::from(numbers.byte() == 1);
+    asset.plane_weight = (numbers.byte() % 2 == 0).then(|| vec![u32::from(numbers.byte() % 3); weights]);
+}
+
 /// A count that fits the runs, as the fuzzer would hardly guess it: read from the refusal.
 fn expected_count(asset: &Asset) -> Option<usize> {
     let message = VolumeMap::from_asset(asset).err()?.to_string();
@@ -73,7 +95,9 @@ fuzz_target!(|bytes: &[u8]| {
         quadrature: QuadratureSpec { name: "gl4".into(), degree: 4, points: 19, ball_volume: numbers.real() },
         band_cells: numbers.runs(),
         solid_cells: numbers.runs(),
-        finer: Vec::new(),
+        finer: (0..numbers.byte() % 4)
+            .map(|_| LevelCells { band: numbers.runs(), solid: numbers.runs() })
+            .collect(),
         signed_distance: Array::F32(Vec::new()),
         volume: Array::F32(Vec::new()),
         density: None,
@@ -82,7 +106,9 @@ fuzz_target!(|bytes: &[u8]| {
         source: Attributes::new(),
         diagnosis: Attributes::new(),
     };
-    if let Some(count) = expected_count(&asset) {
+    if !asset.finer.is_empty() {
+        fit_levels(&mut asset, &mut numbers);
+    } else if let Some(count) = expected_count(&asset) {
         asset.signed_distance = numbers.array(count);
         asset.volume = numbers.array(count);
     }
