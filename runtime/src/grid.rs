@@ -29,6 +29,16 @@ impl Grid {
         self.origin + self.cell_size * self.resolution.as_dvec3()
     }
 
+    /// The same box in cells of half the size, as often as `level` says.
+    pub fn refined(&self, level: u32) -> Grid {
+        let factor = 1 << level;
+        Grid {
+            origin: self.origin,
+            cell_size: self.cell_size / f64::from(factor),
+            resolution: self.resolution * factor,
+        }
+    }
+
     /// Lowest corner of a cell.
     pub fn cell_corner(&self, cell: UVec3) -> DVec3 {
         self.origin + self.cell_size * cell.as_dvec3()

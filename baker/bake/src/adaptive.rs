@@ -16,10 +16,13 @@ mod lattice;
 mod measure;
 mod samples;
 mod settle;
+mod uniform;
 mod volume;
 
+pub use cells::DEPTH;
 pub use measure::MapErrors;
 pub use settle::Settled;
+pub use uniform::uniform;
 
 use crate::error::Error;
 use crate::plan::{Plan, plan, support_radius};

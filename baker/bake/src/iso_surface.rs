@@ -57,7 +57,7 @@ pub fn iso_surface(
         let reason = format!("{iso} m is not within the map's band of -{limit} to {limit} m");
         return Err(Error::setting("iso", reason));
     }
-    let lattice = Lattice::new(map.grid(), choice, STEPS, MAX_POINTS)?;
+    let lattice = Lattice::over(map, choice, STEPS, MAX_POINTS)?;
     let mut crossings = Crossings { lattice: &lattice, edges: Vec::new(), numbers: HashMap::new() };
     let found = march(map, iso, &mut crossings, watch)?;
     watch.check()?;

@@ -16,7 +16,7 @@ pub fn figures(asset: &Asset) -> Figures {
         closed: integer(&asset.diagnosis, "closed") == Some(1),
         support_radius: asset.support_radius,
         cell_size: asset.grid.cell_size.into_iter().fold(0.0, f64::max),
-        band_cells: asset.band_cells.iter().map(|run| u64::from(run.len)).sum(),
+        band_cells: asset.band_count(),
         nodes: asset.volume.len() as u64,
         volume_error_max: real(&asset.bake, VOLUME_ERROR_MAX),
         volume_error_rms: real(&asset.bake, VOLUME_ERROR_RMS),

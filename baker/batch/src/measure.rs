@@ -23,7 +23,7 @@ const SEED: u64 = 1;
 /// # Errors
 /// An asset that the runtime refuses; cancelled.
 pub fn note_error(asset: &mut Asset, input: &Input, points: u32, watch: &Watch) -> Result<(), Error> {
-    if points == 0 || asset.bake.contains_key(describe::VOLUME_ERROR_MAX) || asset.band_cells.is_empty() {
+    if points == 0 || asset.bake.contains_key(describe::VOLUME_ERROR_MAX) || asset.band_count() == 0 {
         return Ok(());
     }
     let error = measure(asset, input.clone(), points as usize, watch)?;

@@ -14,14 +14,16 @@ pub mod image;
 
 use crate::error::Error;
 use std::path::Path;
+use volmap_bake::adaptive::uniform;
 use volmap_bake::area_map::require_space;
 use volmap_bake::iso_surface::iso_surface;
 use volmap_bake::iso_surface::lattice::LatticeChoice;
+use volmap_bake::random::Random;
 use volmap_bake::watch::Watch;
 use volmap_formats::asset::{Array, Asset};
 use volmap_formats::export::{cdm, ply, vti, vtkhdf};
-use volmap_formats::text::thousands;
-use volmap_runtime::VolumeMap;
+use volmap_formats::text::{percent, significant, thousands};
+use volmap_runtime::{DVec3, VolumeMap};
 
 /// A field of the map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,10 +56,12 @@ pub fn export(asset: &Asset, path: &Path, settings: &ExportSettings, watch: &Wat
     require_space(asset, "volmap export")?;
     match extension.as_str() {
         "vtkhdf" => {
-            let cells = hexahedra::hexahedra(asset, watch)?;
+            let equal = uniform(asset, MOST_CELLS)?;
+            let cells = hexahedra::hexahedra(&equal, watch)?;
             watch.step(WRITING)?;
             vtkhdf::write(path, &cells)?;
-            Ok(format!("{} cubic cells, {} points", count(&cells.cells), count(&cells.points)))
+            let note = resampled(asset, &equal);
+            Ok(format!("{} cubic cells, {} points{note}", count(&cells.cells), count(&cells.points)))
         }
         "vti" => {
             let image = image::image(asset, settings, watch)?;
@@ -75,13 +79,47 @@ pub fn export(asset: &Asset, path: &Path, settings: &ExportSettings, watch: &Wat
             Ok(surface.to_string())
         }
         _ => {
-            let grid = discregrid::discregrid(asset, extension == "cdm", watch)?;
+            let equal = uniform(asset, MOST_CELLS)?;
+            let grid = discregrid::discregrid(&equal, extension == "cdm", watch)?;
             watch.step(WRITING)?;
             cdm::write(path, &grid)?;
             let distance = &grid.fields[0];
-            Ok(format!("{} cells, {} nodes", count(&distance.cells), count(&distance.nodes)))
+            let note = resampled(asset, &equal);
+            Ok(format!("{} cells, {} nodes{note}", count(&distance.cells), count(&distance.nodes)))
         }
     }
+}
+
+/// Equal cells that stand for an adaptive map's in formats that know no others, at most.
+const MOST_CELLS: u64 = 4_000_000;
+/// Points at which both maps are compared.
+const COMPARED: usize = 2_000;
+
+/// That an adaptive map was given equal cells, and how much its values change by that.
+fn resampled(asset: &Asset, equal: &Asset) -> String {
+    let maps = [asset, equal].map(|asset| VolumeMap::from_asset(asset).ok());
+    let [Some(map), Some(found)] = maps else { return String::new() };
+    if !asset.is_adaptive() {
+        return String::new();
+    }
+    let (grid, mut random) = (*map.grid(), Random::new(1));
+    let (mut distance, mut volume) = (0.0f64, 0.0f64);
+    for _ in 0..COMPARED {
+        let part = DVec3::new(random.unit(), random.unit(), random.unit());
+        let x = grid.origin + part * (grid.max_corner() - grid.origin);
+        let (own, other) = (map.values(x), found.values(x));
+        if own.distance.is_finite() && other.distance.is_finite() {
+            distance = distance.max((own.distance - other.distance).abs());
+            volume = volume.max((own.volume - other.volume).abs());
+        }
+    }
+    format!(
+        "; cells of several sizes became equal ones of {} m, which changes distances by up to {} of the support radius and \
+         volumes by up to {} of the ball",
+        significant(equal.grid.cell_size[0], 4),
+        percent(distance / map.support_radius()),
+        percent(volume / map.quadrature().ball_volume)
+    )
 }
 
 /// The last step, which is done whole or not at all.

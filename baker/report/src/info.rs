@@ -23,8 +23,9 @@ pub fn to_json(asset: &Asset, file_bytes: u64) -> Json {
         },
         "cells": {
             "grid": asset.grid.resolution.iter().map(|&n| u64::from(n)).product::<u64>(),
-            "band": count(&asset.band_cells),
-            "solid": count(&asset.solid_cells),
+            "band": asset.band_count(),
+            "by_level": asset.cells_by_level(),
+            "solid": count(&asset.solid_cells) + asset.finer.iter().map(|level| count(&level.solid)).sum::<u64>(),
         },
         "quadrature": {
             "name": asset.quadrature.name,

@@ -111,12 +111,14 @@ pub fn report(
 ) -> Result<Report, Error> {
     watch.step("preparing")?;
     let model = Model::new(asset)?;
-    if model.cells.band.is_empty() {
+    if asset.band_count() == 0 {
         return Err(Error::setting("asset", "stores no cells; there is nothing to measure"));
     }
     let solid = mesh.map(|input| Solid::new(asset, input)).transpose()?;
     let shape = settings.shape.or_else(|| solid.as_ref().and_then(Solid::closed_form));
-    let points = samples::band_points(&model.field.grid, &model.cells.band, settings.points, settings.seed);
+    let mut points =
+        samples::band_points(&model.field.grid, &model.cells.band, settings.points, settings.seed);
+    points.retain(|&point| model.counts(point));
     let measuring = Measuring {
         model: &model,
         solid: solid.as_ref(),

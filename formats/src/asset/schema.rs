@@ -9,7 +9,7 @@ use super::error::{AssetError, printable};
 use super::tree::{Array, Attributes, Tree, Value};
 #[cfg(feature = "write")]
 use super::tree::{Dataset, MAX_ERROR, STEP};
-use super::{Asset, Dimension, Exterior, GridSpec, LevelCells, QuadratureSpec};
+use super::{Asset, CellRun, Dimension, Exterior, GridSpec, LevelCells, QuadratureSpec};
 
 /// Value of the root attribute `format`.
 pub const FORMAT_NAME: &str = "volmap";
@@ -94,6 +94,18 @@ impl Asset {
     /// Whether it has cells of several levels, or weights against a flat wall.
     pub fn is_adaptive(&self) -> bool {
         !self.finer.is_empty() || self.plane_weight.is_some()
+    }
+
+    /// Number of stored cells of each level; one number of a map whose cells have one size.
+    pub fn cells_by_level(&self) -> Vec<u64> {
+        let count = |runs: &[CellRun]| runs.iter().map(|run| u64::from(run.len)).sum();
+        let finer = self.finer.iter().map(|level| count(&level.band));
+        std::iter::once(count(&self.band_cells)).chain(finer).collect()
+    }
+
+    /// Number of stored cells.
+    pub fn band_count(&self) -> u64 {
+        self.cells_by_level().iter().sum()
     }
 }
 

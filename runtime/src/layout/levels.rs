@@ -146,12 +146,7 @@ impl Levels {
 
     /// The lattice of a level.
     pub fn grid(&self, level: u32) -> Grid {
-        let factor = 1 << level;
-        Grid {
-            origin: self.grid.origin,
-            cell_size: self.grid.cell_size / f64::from(factor),
-            resolution: self.grid.resolution * factor,
-        }
+        self.grid.refined(level)
     }
 
     /// Where all nodes are, metres, in the order of their numbers.

@@ -80,7 +80,7 @@ pub struct CellTree {
 }
 
 /// Part of the support radius that points may lie in the solid and still count.
-const DEPTH: f64 = 0.1;
+pub const DEPTH: f64 = 0.1;
 /// Errors of a cubic through the nodes that a fit brings below the tolerance.
 const BY_FIT: f64 = 3.0;
 /// How much a place counts in a fit where no fluid is.

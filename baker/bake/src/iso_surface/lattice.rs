@@ -1,7 +1,7 @@
 //! Equally spaced points over a map's domain, its border included.
 
 use crate::error::Error;
-use volmap_runtime::{DVec3, Grid};
+use volmap_runtime::{DVec3, Grid, VolumeMap};
 
 /// How dense the points are.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,6 +20,23 @@ pub struct Lattice {
 }
 
 impl Lattice {
+    /// Over the domain of a map; without a choice in `per_cell` steps a cell, of adaptive maps the smallest cells that give
+    /// no more points than `most`.
+    ///
+    /// # Errors
+    /// No points, or more than `most`.
+    pub fn over(
+        map: &VolumeMap,
+        choice: Option<LatticeChoice>,
+        per_cell: u32,
+        most: u64,
+    ) -> Result<Lattice, Error> {
+        let grids = (0..map.levels() as u32).rev().map(|level| map.grid().refined(level));
+        let points = |grid: &Grid| (grid.resolution.as_dvec3() * f64::from(per_cell) + 1.0).element_product();
+        let fitting = grids.into_iter().find(|grid| points(grid) <= most as f64);
+        Lattice::new(&fitting.unwrap_or(*map.grid()), choice, per_cell, most)
+    }
+
     /// Over the domain of `grid`; without a choice in `per_cell` steps a cell.
     ///
     /// # Errors

@@ -23,7 +23,7 @@ const MAX_POINTS: u64 = 1 << 28;
 /// An asset that isn't consistent, or too many points; cancelled.
 pub fn image(asset: &Asset, settings: &ExportSettings, watch: &Watch) -> Result<Image, Error> {
     let map = VolumeMap::from_asset(asset)?;
-    let lattice = Lattice::new(map.grid(), settings.lattice, 1, MAX_POINTS)?;
+    let lattice = Lattice::over(&map, settings.lattice, 1, MAX_POINTS)?;
     let [nx, ny, nz] = lattice.points();
     let work = watch.begin("asking the map at points", (ny * nz) as u64)?;
     let mut values = vec![Values::default(); nx * ny * nz];

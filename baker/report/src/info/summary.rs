@@ -86,6 +86,17 @@ fn holes(found: &Attributes, line: &mut impl FnMut(&str, String)) {
     }
 }
 
+/// The cells of each level and their edges.
+fn levels(asset: &Asset) -> String {
+    let level = |(level, count): (usize, &u64)| {
+        let edge = asset.grid.cell_size[0] / f64::from(1u32 << level);
+        format!("{} of {} m", thousands(*count), digits(edge))
+    };
+    let counts = asset.cells_by_level();
+    let levels: Vec<String> = counts.iter().enumerate().map(level).collect();
+    format!("{}: {}", thousands(asset.band_count()), levels.join(", "))
+}
+
 fn grid(asset: &Asset, line: &mut impl FnMut(&str, String)) {
     let axes = if asset.dimension == Dimension::Two { 2 } else { 3 };
     let cells = &asset.grid.resolution[..axes];
@@ -97,17 +108,14 @@ fn grid(asset: &Asset, line: &mut impl FnMut(&str, String)) {
     };
     let resolution = joined(cells.iter().map(u32::to_string).collect());
     line("grid", format!("{resolution} cells of {edge} m, support radius {} m", asset.support_radius));
-    let (band, all) = (count(&asset.band_cells), cells.iter().map(|n| u64::from(*n)).product::<u64>());
-    let kept = percent(band as f64 / all as f64);
-    line(
-        "cells",
-        format!(
-            "{} of {} kept ({kept}); outside the domain is {}",
-            thousands(band),
-            thousands(all),
-            exterior(asset)
-        ),
-    );
+    let (band, all) = (asset.band_count(), cells.iter().map(|n| u64::from(*n)).product::<u64>());
+    let kept = match asset.is_adaptive() {
+        true => levels(asset),
+        false => {
+            format!("{} of {} kept ({})", thousands(band), thousands(all), percent(band as f64 / all as f64))
+        }
+    };
+    line("cells", format!("{kept}; outside the domain is {}", exterior(asset)));
     let fields = [
         Some(&asset.signed_distance),
         Some(&asset.volume),

@@ -372,7 +372,7 @@ fn asset_facts(measured: &Measured) -> AssetFacts {
         resolution: grid.resolution.to_array(),
         cell_size: grid.cell_size.to_array(),
         domain: [grid.origin, grid.max_corner()].map(|corner| corner.to_array()),
-        band_cells: model.cells.band_count(),
+        band_cells: asset.band_count(),
         nodes: asset.signed_distance.len() as u64,
         quadrature: asset.quadrature.name.clone(),
         exterior: info::exterior(asset).into(),

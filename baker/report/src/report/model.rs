@@ -3,6 +3,8 @@
 use super::shape::ClosedForm;
 use crate::error::Error;
 use std::f64::consts::PI;
+use volmap_bake::adaptive::DEPTH;
+use volmap_bake::adaptive::uniform;
 use volmap_bake::input::Input;
 use volmap_bake::mesh::{Diagnosis, prepare};
 use volmap_bake::provenance;
@@ -14,15 +16,20 @@ use volmap_bake::volume_map::quadrature::Rule;
 use volmap_formats::asset::{Asset, Value};
 use volmap_formats::mesh::TriangleMesh;
 use volmap_runtime::layout::Nodes;
-use volmap_runtime::{Grid, VolumeMap};
+use volmap_runtime::{DVec3, Grid, VolumeMap};
+
+/// Equal cells that stand for an adaptive map's, at most.
+const MOST_CELLS: u64 = 2_000_000;
 
 /// An asset, opened in every way that is needed.
 pub struct Model {
     /// As users see it.
     pub map: VolumeMap,
-    /// The distance that it stores.
+    /// Whether its cells have several sizes.
+    pub is_adaptive: bool,
+    /// The distance that it stores; of an adaptive map on equal cells, the smallest unless they are too many.
     pub field: DistanceField,
-    /// Which cells it stores.
+    /// Which cells that has.
     pub cells: BandCells,
     /// The rule of its volume, if it is one that we know.
     pub rule: Option<Rule>,
@@ -53,6 +60,8 @@ impl Model {
     /// An asset that the runtime refuses.
     pub fn new(asset: &Asset) -> Result<Model, Error> {
         let map = VolumeMap::from_asset(asset).map_err(|error| Error::setting("asset", error.to_string()))?;
+        let is_adaptive = asset.is_adaptive();
+        let asset = &uniform(asset, MOST_CELLS)?;
         let cells = BandCells { band: asset.band_cells.clone(), solid: asset.solid_cells.clone() };
         let grid = Grid::from(asset.grid);
         let nodes = Nodes::new(grid.resolution, &cells.band)
@@ -62,11 +71,20 @@ impl Model {
         Ok(Model {
             field: DistanceField::new(grid, &cells, &nodes, asset.exterior, values),
             map,
+            is_adaptive,
             cells,
             rule: asset.quadrature.name.parse().ok(),
             radius,
             ball: 4.0 / 3.0 * PI * radius.powi(3),
         })
+    }
+}
+
+impl Model {
+    /// Whether a point counts where errors are measured. Adaptive cells are as exact as asked for in the fluid and where
+    /// particles get into the solid.
+    pub fn counts(&self, point: DVec3) -> bool {
+        !self.is_adaptive || self.map.values(point).distance >= -DEPTH * self.radius
     }
 }
 
