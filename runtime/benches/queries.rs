@@ -136,9 +136,12 @@ fn main() {
         report(&format!("{name} f32"), &single(&double));
         report(&format!("{name} f64"), &double);
     }
-    // From cells of 4 r to cells of r / 2; the same by difference from a flat wall's volume.
+    // From cells of 4 r to cells of r / 2, towards x = 0; the same by difference from a flat wall's volume.
     let grid = GridSpec { origin: [-1.2, -0.8, -1.2], cell_size: [0.4; 3], resolution: [6, 4, 6] };
     for (name, weight) in [("adaptive", 0), ("adaptive, flat wall", 1)] {
-        report(&format!("{name} f32"), &single(&adaptive_asset(grid, 4, phi, volume, |_| weight)));
+        report(
+            &format!("{name} f32"),
+            &single(&adaptive_asset(grid, 4, [&phi, &volume, &|x| x.x], |_| weight)),
+        );
     }
 }

@@ -252,12 +252,12 @@ def cell_number(cell, resolution):
     return (cell[..., 2] * resolution[1] + cell[..., 1]) * resolution[0] + cell[..., 0]
 
 
-def complete(levels, values, corners_only=False, rounded=lambda values: values):
-    """The values of all nodes from those of the free ones; all are `rounded`."""
+def complete(levels, values, corners_only=False):
+    """The values of all nodes from those of the free ones."""
     free = np.concatenate([level.free_corners if corners_only else level.free for level in levels])
     need(len(values) == len(free), "not as many values as free nodes")
     out = np.zeros(levels[-1].end)
-    out[free] = rounded(values)
+    out[free] = values
     for coarse, level in zip(levels, levels[1:]):
         at = np.flatnonzero(level.owner >= 0)
         if not len(at):
@@ -265,7 +265,7 @@ def complete(levels, values, corners_only=False, rounded=lambda values: values):
         xi = level.sixths[at] / 3 - 1
         nodes = coarse.nodes[level.owner[at]]
         shape = trilinear(xi) if corners_only else shape_functions(xi)[0]
-        out[level.first_node + at] = rounded((shape * out[nodes[:, : shape.shape[1]]]).sum(1))
+        out[level.first_node + at] = (shape * out[nodes[:, : shape.shape[1]]]).sum(1)
     return out
 
 
@@ -380,9 +380,7 @@ class Map:
         need(band[:, 4].sum(dtype=np.int64) <= len(phi) == len(volume), "length of the fields")
         self.levels = make_levels(band, solid, self.resolution)
         self.precision, self.max_error = precision, (phi_error, volume_error)
-        # Readers may round to the type of the fields, and the one that this is held against does.
-        rounded = (lambda values: values) if precision == "f64" else lambda values: values.astype(np.float32)
-        self.phi, self.volume = (complete(self.levels, values, rounded=rounded) for values in (phi, volume))
+        self.phi, self.volume = complete(self.levels, phi), complete(self.levels, volume)
         weight = dataset(file, WEIGHT, ["u32"], 1)[1].astype(np.int64)
         need((weight <= 1).all(), "weights other than 0 and 1")
         self.weight = complete(self.levels, weight.astype(float), True) if len(weight) else np.zeros(len(self.phi))

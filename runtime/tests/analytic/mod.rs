@@ -55,26 +55,27 @@ pub fn asset(
     }
 }
 
-/// A ball of 0.5 m in cells of so many levels, finer towards its surface; r is 0.1 m. Volume is against a flat wall where
-/// x > 0.
+/// A ball of 0.5 m in cells of so many levels, finer towards a place of its surface; r is 0.1 m. Volume is against a flat
+/// wall where x > 0.
 pub fn adaptive_ball(levels: u32) -> Asset {
     let grid = GridSpec { origin: [-0.8, -0.9, -1.0], cell_size: [0.4, 0.3, 0.5], resolution: [4, 6, 4] };
     let phi = |x: DVec3| x.length() - 0.5;
     let wall = FlatWall::new(0.1, 0.004);
     let volume = |x: DVec3| wall.volume(phi(x)) * (1.0 + 0.3 * (0.1 - phi(x)).max(0.0));
-    adaptive_asset(grid, levels, phi, volume, |x| u32::from(x.x > 0.0))
+    let fine = |x: DVec3| x.distance(DVec3::new(0.3, 0.4, 0.0));
+    adaptive_asset(grid, levels, [&phi, &volume, &fine], |x| u32::from(x.x > 0.0))
 }
 
-/// An adaptive asset, divided where the surface is near; `weight` is asked at corners.
+/// An adaptive asset of distance and volume, divided towards where the third function, a distance too, is 0; `weight` is
+/// asked at corners.
 pub fn adaptive_asset(
     grid: GridSpec,
     levels: u32,
-    phi: impl Fn(DVec3) -> f64,
-    v: impl Fn(DVec3) -> f64,
+    [phi, v, fine]: [&dyn Fn(DVec3) -> f64; 3],
     weight: impl Fn(DVec3) -> u32,
 ) -> Asset {
     let lattice = Grid::from(grid);
-    let cells = divided(&lattice, levels, &phi);
+    let cells = divided(&lattice, levels, phi, fine);
     let layout = Levels::new(lattice, &cells).expect("distances grade the levels");
     let places = layout.positions();
     let weights: Vec<u32> = layout.free_corners().map(|node| weight(places[node as usize])).collect();
@@ -107,8 +108,13 @@ pub fn trilinear(corners: &[f64; 8], xi: DVec3) -> f64 {
     (0..8).map(|a| corners[a] * (0.5 * (DVec3::ONE + side(a) * xi)).element_product()).sum()
 }
 
-/// Cells are divided if the surface is within two of their diagonals, which leaves them balanced.
-fn divided(grid: &Grid, levels: u32, phi: impl Fn(DVec3) -> f64) -> Vec<LevelCells> {
+/// Cells are divided within one and a half of their diagonals from where `fine` is 0, which leaves them balanced.
+fn divided(
+    grid: &Grid,
+    levels: u32,
+    phi: &dyn Fn(DVec3) -> f64,
+    fine: &dyn Fn(DVec3) -> f64,
+) -> Vec<LevelCells> {
     let n = grid.resolution;
     let mut of_level: Vec<UVec3> =
         (0..n.element_product()).map(|at| UVec3::new(at % n.x, at / n.x % n.y, at / (n.x * n.y))).collect();
@@ -118,8 +124,9 @@ fn divided(grid: &Grid, levels: u32, phi: impl Fn(DVec3) -> f64) -> Vec<LevelCel
         let (mut cells, mut next) = ([Vec::new(), Vec::new()], Vec::new());
         of_level.sort_by_key(|cell| (cell.z, cell.y, cell.x));
         for cell in of_level {
-            let distance = phi(grid.origin + size * (cell.as_dvec3() + 0.5));
-            if level + 1 < levels && distance.abs() < 2.0 * size.length() {
+            let middle = grid.origin + size * (cell.as_dvec3() + 0.5);
+            let distance = phi(middle);
+            if level + 1 < levels && fine(middle).abs() < 1.5 * size.length() {
                 next.extend((0..8).map(|n| 2 * cell + UVec3::new(n & 1, n >> 1 & 1, n >> 2 & 1)));
             } else if distance < 0.2 + 0.5 * size.length() {
                 let solid = usize::from(distance < -0.2 - 0.5 * size.length());
