@@ -62,6 +62,13 @@ impl VolumeMap {
         self.grid.cell_size / f64::from(1u32 << (self.levels() - 1))
     }
 
+    /// The lattice in the smallest cells that are no more than `most`, or the map's own.
+    pub fn finest_grid(&self, most: u64) -> Grid {
+        let grids = (0..self.levels() as u32).rev().map(|level| self.grid.refined(level));
+        let cells = |grid: &Grid| grid.resolution.as_u64vec3().element_product();
+        grids.into_iter().find(|grid| cells(grid) <= most).unwrap_or(self.grid)
+    }
+
     /// Whether the volume is stored as its difference from a flat wall's, somewhere at least.
     pub fn has_plane_weights(&self) -> bool {
         matches!(&self.content, Content::Adaptive(cells, _) if cells.walls.is_some())

@@ -40,7 +40,6 @@ use distance_tree::{DistanceTree, TreeSettings};
 use glam::{DVec3, UVec3};
 use lattice::{FineLattice, LevelCell};
 use measure::Reference;
-use samples::Samples;
 use volmap_formats::asset::{Asset, LevelCells};
 use volmap_runtime::VolumeMap;
 use volmap_runtime::layout::FlatWall;
@@ -50,14 +49,14 @@ use volume::TreeIntegrator;
 const COARSEST: f64 = 4.0;
 /// The finest level: cells of a sixteenth of the support radius.
 const FINEST: u32 = 6;
-/// How often cells are judged more strictly, at most.
-const ROUNDS: usize = 3;
+/// Errors that cells may have at their probes, in place, as parts of the tolerance: elsewhere they are a little larger.
+const IN_PLACE: f64 = 0.85;
 /// How often cells are split where the map as stored misses, at most, and at how many points it may.
-const REPAIRS: usize = 4;
+const REPAIRS: usize = 5;
 const MOST_REPAIRED: usize = 30;
-/// Error of Phi on the tree, in support radii for each part of the ball: V on it is then wrong by a fifth of the
-/// tolerance or less.
-const TREE: f64 = 0.3;
+/// Error of Phi on the tree, in support radii for each part of the ball: V on it is then wrong by less than
+/// half of the tolerance, by a tenth as a rule.
+const TREE: f64 = 0.4;
 /// From this tolerance on the coarser reference is fine enough: its own error is 0.06 % of the ball, the other's 0.02 %.
 const COARSE_FROM: f64 = 5e-3;
 
@@ -146,21 +145,44 @@ struct Search<'a, D> {
 type Round = (Settled, Asset, Option<Rounding>, Adapted);
 
 impl<D: SignedDistance> Search<'_, D> {
-    /// Judges the cells ever more strictly, until the map is as exact as asked for.
+    /// Splits cells until the map, as it is stored, is as exact as asked for.
     fn run(&self) -> Result<Round, Error> {
-        let mut known = Known::default();
-        let (mut strict, mut rounds) = (1.0, 0);
-        loop {
-            let round = self.round(strict, &mut known)?;
-            rounds += 1;
-            let excess = self.excess(&round.3.errors);
-            if excess <= 1.0 || rounds == ROUNDS {
-                return Ok(round);
+        let (radius, mut known) = (self.plan.support_radius, Known::default());
+        let work = self.watch.begin(Stage::Distance.step(), 0)?;
+        let tolerance = TREE * self.tolerances.volume * radius;
+        let settings = TreeSettings { radius, tolerance, exterior: self.plan.exterior };
+        let tree = DistanceTree::new(self.lattice, &settings, self.phi, &mut known.distance, &work)?;
+        let work = self.watch.begin(Stage::Volume.step(), 0)?;
+        let rule = LineRule::new(self.settings.rule.points());
+        let ball = self.settings.rule.ball_volume(radius);
+        let mut judge = Judge {
+            lattice: self.lattice,
+            radius,
+            ball,
+            wall: FlatWall::new(radius, ball),
+            tolerances: self.tolerances,
+            in_place: IN_PLACE,
+            phi: self.phi,
+            integrator: &TreeIntegrator::new(&tree, &rule, radius),
+            max_memory: self.settings.max_memory,
+            work: &work,
+        };
+        let mut cells = CellTree::default();
+        judge.decide(self.roots(), &mut cells, &mut known)?;
+        let mut settled = judge.settle(&mut cells, &mut known, self.plan)?;
+        for repairs in 0.. {
+            let (asset, rounding) = adaptive_asset(&settled, self.plan, self.settings)?;
+            let (found, missed) = self.measured(&asset, &settled, &tree)?;
+            if missed.is_empty() || repairs == REPAIRS {
+                return Ok((settled, asset, rounding, found));
             }
-            strict *= (0.9 / excess).clamp(0.5, 0.9);
-            // Another tree gives other volumes; distances stay.
-            known.volume = Samples::default();
+            if missed.len() > MOST_REPAIRED {
+                // It isn't a matter of places.
+                judge.in_place *= (0.95 / self.excess(&found.errors)).clamp(0.5, 0.95);
+            }
+            settled = judge.repair(&missed, &mut cells, &mut known, self.plan)?;
         }
+        unreachable!("the last repair returns")
     }
 
     /// The largest error as a part of what is allowed.
@@ -168,44 +190,6 @@ impl<D: SignedDistance> Search<'_, D> {
         let Tolerances { volume, distance, normal } = self.tolerances;
         let of_normal = normal.map_or(0.0, |normal| errors.normal.max / normal);
         (errors.volume.max / volume).max(errors.distance.max / distance).max(of_normal)
-    }
-
-    fn round(&self, strict: f64, known: &mut Known) -> Result<Round, Error> {
-        let radius = self.plan.support_radius;
-        let stricter = Tolerances {
-            volume: strict * self.tolerances.volume,
-            distance: strict * self.tolerances.distance,
-            normal: self.tolerances.normal.map(|normal| strict * normal),
-        };
-        let work = self.watch.begin(Stage::Distance.step(), 0)?;
-        let settings =
-            TreeSettings { radius, tolerance: TREE * stricter.volume * radius, exterior: self.plan.exterior };
-        let tree = DistanceTree::new(self.lattice, &settings, self.phi, &mut known.distance, &work)?;
-        let work = self.watch.begin(Stage::Volume.step(), 0)?;
-        let rule = LineRule::new(self.settings.rule.points());
-        let judge = Judge {
-            lattice: self.lattice,
-            radius,
-            ball: self.settings.rule.ball_volume(radius),
-            wall: FlatWall::new(radius, self.settings.rule.ball_volume(radius)),
-            tolerances: stricter,
-            phi: self.phi,
-            integrator: &TreeIntegrator::new(&tree, &rule, radius),
-            max_memory: self.settings.max_memory,
-            work: &work,
-        };
-        let mut cells = CellTree::default();
-        judge.decide(self.roots(), &mut cells, known)?;
-        let mut settled = judge.settle(&mut cells, known, self.plan)?;
-        for repairs in 0.. {
-            let (asset, rounding) = adaptive_asset(&settled, self.plan, self.settings)?;
-            let (found, missed) = self.measured(&asset, &settled, &tree)?;
-            if missed.is_empty() || missed.len() > MOST_REPAIRED || repairs == REPAIRS {
-                return Ok((settled, asset, rounding, found));
-            }
-            settled = judge.repair(&missed, &mut cells, known, self.plan)?;
-        }
-        unreachable!("the last repair returns")
     }
 
     /// The cells of the map's grid, on the lattice of the larger one on which Phi is needed.

@@ -53,6 +53,8 @@ pub struct Judge<'a, D> {
     pub wall: FlatWall,
     /// What a cell's errors may be.
     pub tolerances: Tolerances,
+    /// What they may be in place, as a part of the tolerances.
+    pub in_place: f64,
     /// The exact distance.
     pub phi: &'a D,
     /// Eq. 12.

@@ -14,8 +14,6 @@ use volmap_formats::asset::{CellRun, LevelCells};
 use volmap_runtime::layout::serendipity::{NODES, node};
 use volmap_runtime::layout::{CornerWeights, LevelCell as LayoutCell, Levels};
 
-/// Errors that cells may have at their midpoints, in place, as parts of the tolerance: elsewhere they are a little larger.
-const IN_PLACE: f64 = 0.85;
 /// How often cells are split for what they are in place, at most. Few are left then, and errors a little above.
 const ROUNDS: usize = 8;
 
@@ -53,10 +51,10 @@ impl<D: SignedDistance> Judge<'_, D> {
         for round in 1.. {
             self.balance(tree, known)?;
             let mut settled = self.numbered(tree, known, plan)?;
-            let failing = self.failing(&settled, known, plan.margin);
+            let failing = self.failing(self.in_place, &settled, known, plan.margin);
             let split = self.causes(&failing, tree);
             if split.is_empty() || round == ROUNDS {
-                settled.left = failing;
+                settled.left = self.failing(1.0, &settled, known, plan.margin);
                 return Ok(settled);
             }
             self.split(split, tree, known)?;
@@ -187,7 +185,7 @@ impl<D: SignedDistance> Judge<'_, D> {
     }
 
     /// Cells whose errors are too large, with all constraints in place.
-    fn failing(&self, settled: &Settled, known: &Known, margin: UVec3) -> Vec<LevelCell> {
+    fn failing(&self, part: f64, settled: &Settled, known: &Known, margin: UVec3) -> Vec<LevelCell> {
         let layout = &settled.layout;
         let (distance, volume) = (layout.complete(&settled.distance), layout.complete(&settled.volume));
         let weights = layout.complete_weights(&settled.weights);
@@ -197,7 +195,7 @@ impl<D: SignedDistance> Judge<'_, D> {
             let weights = of_cell(&weights, cell.number);
             let fields = CellFields { distance: of(&distance), volume: of(&volume), weights };
             let own = LevelCell { level: cell.level, at: cell.index + (margin << cell.level) };
-            (!self.errors(own, &fields, known).are_below(IN_PLACE)).then_some(own)
+            (!self.errors(own, &fields, known).are_below(part)).then_some(own)
         };
         cells.par_iter().filter_map(is_failing).collect()
     }

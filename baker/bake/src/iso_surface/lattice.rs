@@ -31,10 +31,8 @@ impl Lattice {
         per_cell: u32,
         most: u64,
     ) -> Result<Lattice, Error> {
-        let grids = (0..map.levels() as u32).rev().map(|level| map.grid().refined(level));
-        let points = |grid: &Grid| (grid.resolution.as_dvec3() * f64::from(per_cell) + 1.0).element_product();
-        let fitting = grids.into_iter().find(|grid| points(grid) <= most as f64);
-        Lattice::new(&fitting.unwrap_or(*map.grid()), choice, per_cell, most)
+        let steps = u64::from(per_cell).pow(3);
+        Lattice::new(&map.finest_grid(most / 2 / steps), choice, per_cell, most)
     }
 
     /// Over the domain of `grid`; without a choice in `per_cell` steps a cell.

@@ -1,6 +1,6 @@
 //! An asset in a few lines for people: what the bake said of it.
 
-use super::{count, exterior};
+use super::exterior;
 use std::fmt::Write;
 use volmap_formats::asset::{Array, Asset, Attributes, Dimension, Value};
 use volmap_formats::text::{bytes, percent, significant, thousands};

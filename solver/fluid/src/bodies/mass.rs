@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use volmap_bake::iso_surface::{IsoSurface, iso_surface};
 use volmap_bake::primitive::{Moments as ShapeMoments, PlacedPrimitive};
 use volmap_formats::mesh::TriangleMesh;
-use volmap_runtime::{DQuat, DVec3, Values, VolumeMap};
+use volmap_runtime::{DQuat, DVec3, Grid, Values, VolumeMap};
 
 /// Points along each edge of a cell that the surface may cross.
 const SUBCELLS: u32 = 4;
@@ -118,10 +118,10 @@ impl Mass {
     /// From the distances at parts of a map's cells. A surface cuts such a part on average as if it were
     /// perpendicular to the part's edges, so the error shrinks with the cell's square.
     fn of_cells(map: &VolumeMap, density: f64) -> Mass {
-        let grid = *map.grid();
+        let grid = map.finest_grid(MOST_CELLS);
         let origin = 0.5 * (grid.origin + grid.max_corner());
         let layers: Vec<Moments> =
-            (0..grid.resolution.z).into_par_iter().map(|z| layer_moments(map, origin, z)).collect();
+            (0..grid.resolution.z).into_par_iter().map(|z| layer_moments(map, &grid, origin, z)).collect();
         layers.into_iter().fold(Moments::ZERO, Moments::and).mass(origin, density)
     }
 
@@ -154,9 +154,11 @@ impl Mass {
     }
 }
 
+/// Equal cells that stand for those of several sizes, at most.
+const MOST_CELLS: u64 = 1 << 22;
+
 /// Of the cells with this z.
-fn layer_moments(map: &VolumeMap, origin: DVec3, z: u32) -> Moments {
-    let grid = map.grid();
+fn layer_moments(map: &VolumeMap, grid: &Grid, origin: DVec3, z: u32) -> Moments {
     let part = grid.cell_size / f64::from(SUBCELLS);
     let width = part.element_product().cbrt();
     let mut moments = Moments::ZERO;

@@ -21,7 +21,7 @@ pub fn notes(bodies: &[PreparedBody], fluid: &[DVec3], domain: Option<&Region>) 
     let posed: Vec<PosedMap> = bodies.iter().map(PreparedBody::posed).collect();
     let mut notes = Vec::new();
     for (i, body) in bodies.iter().enumerate() {
-        let cell = body.map.grid().cell_size.max_element();
+        let cell = body.map.finest_cell_size().max_element();
         // A plane's map ends where the scene does.
         let in_domain = |place: DVec3| {
             let corners = domain.map(Region::corners);
@@ -57,7 +57,7 @@ fn note(body: &PreparedBody, DVec3 { x, y, z }: DVec3) -> String {
 fn cut(map: &VolumeMap) -> impl Iterator<Item = DVec3> {
     let grid = map.grid();
     let side = if map.exterior() == Exterior::Solid { 1.0 } else { -1.0 };
-    let least = TOLERANCE * grid.cell_size.max_element();
+    let least = TOLERANCE * map.finest_cell_size().max_element();
     let points = border([grid.origin, grid.max_corner()], grid.resolution.to_array());
     let mut values: Vec<Values> = Vec::new();
     map.sample_batch(&points, &mut values);

@@ -11,18 +11,19 @@ use volmap_bake::bake::bake;
 use volmap_bake::content_key;
 use volmap_bake::input::{self, Input};
 use volmap_bake::mesh::prepare;
-use volmap_bake::parameters::{DensityKernel, Group, Parameters};
+use volmap_bake::parameters::{DensityKernel, Group, Parameters, RadiusPart, Tolerance};
 use volmap_bake::plan::GridChoice;
 use volmap_bake::primitive::{PlacedPrimitive, Primitive};
 use volmap_bake::recipe::Recipe;
 use volmap_bake::sdf::{MeshDistance, SignMethod};
+use volmap_bake::settings::Tolerances;
 use volmap_bake::watch::Watch;
 use volmap_fluid::boundary::density_map;
 use volmap_fluid::settings::{BoundaryMethod, World};
 use volmap_formats::asset::{self, Asset, Exterior, Value};
 use volmap_formats::mesh::TriangleMesh;
 use volmap_formats::text::printable_line;
-use volmap_runtime::{ClosureKind, DVec3, Dimension, KernelKind, Pose, VolumeMap};
+use volmap_runtime::{ClosureKind, DVec3, Dimension, KernelKind, MapErrors, Pose, VolumeMap};
 
 /// Part by which a map's support radius may differ from the scene's: other programs store it in single
 /// precision.
@@ -61,10 +62,12 @@ pub struct Library<'a> {
     closure: ClosureKind,
     /// That of the maps, metres.
     support_radius: f64,
-    /// Edge of their cells by default, metres.
-    cell_size: f64,
+    /// How exact they are by default.
+    errors: MapErrors,
     /// The same of bodies that turn.
-    cell_size_of_turning: f64,
+    errors_of_turning: MapErrors,
+    /// Edge of the cells of maps that have one size, metres: where they have a density.
+    cell_size: f64,
     /// The kernel whose density bodies need in their maps, if they need one.
     density: Option<KernelKind>,
     /// The scene's: how far planes reach.
@@ -110,7 +113,8 @@ impl<'a> Library<'a> {
             closure,
             support_radius: closure.map_radius(world.support_radius),
             cell_size: closure.cell_size(world.support_radius),
-            cell_size_of_turning: closure.cell_size_of_turning(world.support_radius),
+            errors: closure.map_errors(false),
+            errors_of_turning: closure.map_errors(true),
             density,
             domain: None,
             max_memory: None,
@@ -147,12 +151,14 @@ impl<'a> Library<'a> {
         shape.map(|shape| shape.within(corners))
     }
 
-    /// The body with the cells that its map needs, if it leaves them open.
+    /// The body with the errors that its map may have, if it leaves its cells open.
     pub fn with_cells(&self, body: &Body) -> Body {
         let mut body = body.clone();
         body.shape = self.bounded(body.shape, body.pose());
-        if body.turns() && !body.bake.gives(Group::Cells) {
-            body.bake.cell_size = Some(self.cell_size_of_turning);
+        let is_open = !body.bake.gives(Group::Cells) && body.bake.distance_tolerance.is_none();
+        if body.turns() && is_open && self.density.is_none() {
+            body.bake.tolerance = Some(Tolerance(self.errors_of_turning.volume));
+            body.bake.distance_tolerance = Some(RadiusPart(self.errors_of_turning.distance));
         }
         body
     }
@@ -267,7 +273,7 @@ impl<'a> Library<'a> {
 
     fn note_coarse_cells(&mut self, path: &Path, map: &VolumeMap) {
         let (cell, most) = (map.grid().cell_size.max_element(), COARSE * self.cell_size);
-        if map.exterior() == Exterior::Solid && cell > most {
+        if map.levels() == 1 && map.exterior() == Exterior::Solid && cell > most {
             self.notes.push(format!(
                 "{}: cells of {cell} m are coarse for a container: where walls meet, particles find them up to \
                 {:.3} m too \
@@ -372,7 +378,11 @@ impl<'a> Library<'a> {
         map.support_radius.get_or_insert(self.support_radius);
         map.max_memory = self.max_memory.unwrap_or(map.max_memory);
         if map.grid == GridChoice::FromRadius {
-            map.grid = GridChoice::CellSize(self.cell_size);
+            let MapErrors { volume, distance } = self.errors;
+            map.grid = match map.density {
+                Some(_) => GridChoice::CellSize(self.cell_size),
+                None => GridChoice::Tolerance(Tolerances { volume, distance, normal: None }),
+            };
         }
         if let Some(settings) = map.density.as_mut().filter(|_| density.is_some()) {
             settings.extension = density_map::EXTENSION;

@@ -78,7 +78,7 @@ fn place(DVec3 { x, y, z }: DVec3) -> String {
 
 /// How many points lie in a body's solid, and the deepest of them.
 fn depth(points: &[DVec3], body: &PreparedBody, rp: f64) -> (usize, Option<DVec3>) {
-    let least = TOLERANCE * rp.max(body.map.grid().cell_size.max_element());
+    let least = TOLERANCE * rp.max(body.map.finest_cell_size().max_element());
     let mut values: Vec<Values> = Vec::new();
     body.posed().sample_batch(points, &mut values);
     let inside = points.iter().zip(&values).filter(|(_, at)| at.distance < -least);
