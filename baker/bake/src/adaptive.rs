@@ -31,7 +31,7 @@ use crate::settings::{GridChoice, MapSettings, Tolerances};
 use crate::stage::Stage;
 use crate::storage::adaptive_asset;
 use crate::summary::Rounding;
-use crate::tolerance::{SearchProblem, fluid_points, no_fluid};
+use crate::tolerance::{SearchProblem, check_rounding, fluid_points, no_fluid};
 use crate::volume_map::anywhere::LineRule;
 use crate::volume_map::quadrature::Rule;
 use crate::watch::Watch;
@@ -103,6 +103,7 @@ pub fn adapt<D: SignedDistance>(
     tolerances: Tolerances,
     watch: &Watch,
 ) -> Result<AdaptiveMap, Error> {
+    check_rounding(settings, tolerances.volume)?;
     let radius = support_radius(problem.extent, settings)?;
     let coarse = MapSettings { grid: GridChoice::CellSize(COARSEST * radius), ..settings.clone() };
     let plan = plan(problem.extent, &coarse)?;

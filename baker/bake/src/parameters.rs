@@ -152,7 +152,7 @@ parameters! {
         },
     }
 
-    /// Smaller cells where the normal is wrong by more than this angle, in degrees, but where the surface has none: 3deg
+    /// Smaller cells, down to a quarter of the support radius, where the normal is wrong by more than this angle: 3deg
     normal_tolerance: Angle {
         apply: |recipe, angle| recipe.bake.map.grid.tolerances_mut().normal = Some(angle.0.to_radians()),
         placeholder: "ANGLE",

@@ -113,7 +113,7 @@ pub fn search<D: SignedDistance>(
     Ok((plan, maps, Found { tolerance, cell_size, error, tried, reference: reference.rule }))
 }
 
-fn check_rounding(settings: &MapSettings, tolerance: f64) -> Result<(), Error> {
+pub(crate) fn check_rounding(settings: &MapSettings, tolerance: f64) -> Result<(), Error> {
     match settings.precision {
         Precision::Rounded(part) if part >= tolerance => {
             let reason = format!(

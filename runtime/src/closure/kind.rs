@@ -40,8 +40,6 @@ struct Facts {
     turning: f64,
     /// Errors that its adaptive maps may have.
     errors: MapErrors,
-    /// The same of bodies that turn.
-    errors_of_turning: MapErrors,
     /// Whether its density has a mirrored pressure in it.
     has_image: bool,
     /// Whether there is one for kernels in two dimensions.
@@ -68,7 +66,6 @@ const USUAL: Facts = Facts {
     cells_per_map_radius: 4.0,
     turning: 1.0,
     errors: MapErrors { volume: 5e-3, distance: 0.04 },
-    errors_of_turning: MapErrors { volume: 2.5e-3, distance: 0.02 },
     has_image: false,
     is_in_plane: false,
     follows_volume: true,
@@ -96,7 +93,6 @@ const TABLE: [Facts; 6] = [
         cells_per_map_radius: 2.0,
         turning: 2.0 / 3.0,
         errors: MapErrors { volume: 1e-2, distance: 0.3 },
-        errors_of_turning: MapErrors { volume: 2.5e-3, distance: 0.1 },
         has_image: true,
         is_in_plane: true,
         follows_volume: true,
@@ -147,10 +143,9 @@ impl ClosureKind {
         support_radius / self.facts().radii_per_map_radius
     }
 
-    /// How exact its adaptive maps should be, of bodies that turn by themselves or not: the roughness of a wall between
-    /// its nodes stirs the fluid that it moves along.
-    pub fn map_errors(self, turns: bool) -> MapErrors {
-        if turns { self.facts().errors_of_turning } else { self.facts().errors }
+    /// How exact its adaptive maps should be.
+    pub fn map_errors(self) -> MapErrors {
+        self.facts().errors
     }
 
     /// The edge (metres) that cells of its uniform maps should have, at most, for a kernel of this support radius.

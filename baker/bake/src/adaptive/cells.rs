@@ -81,6 +81,8 @@ pub struct CellTree {
     pub cells: FxHashMap<LevelCell, State>,
 }
 
+/// Smaller cells aren't split for the normal, in support radii: beside a kink of the distance it is never right.
+const NORMALS_DOWN_TO: f64 = 0.25;
 /// Part of the support radius that points may lie in the solid and still count.
 pub const DEPTH: f64 = 0.1;
 /// Errors of a cubic through the nodes that a fit brings below the tolerance.
@@ -248,6 +250,9 @@ impl<D: SignedDistance> Judge<'_, D> {
     /// Error of the normal at a midpoint as a part of the tolerance; 0 if that isn't asked for, or at a kink.
     fn normal_error(&self, cell: LevelCell, midpoint: usize, fields: &CellFields) -> f64 {
         let Some(tolerance) = self.tolerances.normal else { return 0.0 };
+        if self.lattice.cell_size(cell.level).max_element() <= NORMALS_DOWN_TO * self.radius {
+            return 0.0;
+        }
         let place = self.lattice.position(self.lattice.probes(cell)[midpoint]);
         let Some(exact) = exact_normal(self.phi, place, self.radius) else { return 0.0 };
         let (_, slopes) = shape_and_gradient(reference_place(midpoint));

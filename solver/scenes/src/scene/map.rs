@@ -11,8 +11,8 @@ use volmap_bake::bake::bake;
 use volmap_bake::content_key;
 use volmap_bake::input::{self, Input};
 use volmap_bake::mesh::prepare;
-use volmap_bake::parameters::{DensityKernel, Group, Parameters, RadiusPart, Tolerance};
-use volmap_bake::plan::GridChoice;
+use volmap_bake::parameters::{DensityKernel, Group, Parameters};
+use volmap_bake::plan::{Extent, GridChoice, MapSettings, plan};
 use volmap_bake::primitive::{PlacedPrimitive, Primitive};
 use volmap_bake::recipe::Recipe;
 use volmap_bake::sdf::{MeshDistance, SignMethod};
@@ -62,12 +62,12 @@ pub struct Library<'a> {
     closure: ClosureKind,
     /// That of the maps, metres.
     support_radius: f64,
-    /// How exact they are by default.
-    errors: MapErrors,
-    /// The same of bodies that turn.
-    errors_of_turning: MapErrors,
-    /// Edge of the cells of maps that have one size, metres: where they have a density.
+    /// Edge of their cells by default, metres.
     cell_size: f64,
+    /// The same of bodies that turn.
+    cell_size_of_turning: f64,
+    /// How exact maps are that would have too many such cells.
+    errors: MapErrors,
     /// The kernel whose density bodies need in their maps, if they need one.
     density: Option<KernelKind>,
     /// The scene's: how far planes reach.
@@ -113,8 +113,8 @@ impl<'a> Library<'a> {
             closure,
             support_radius: closure.map_radius(world.support_radius),
             cell_size: closure.cell_size(world.support_radius),
-            errors: closure.map_errors(false),
-            errors_of_turning: closure.map_errors(true),
+            cell_size_of_turning: closure.cell_size_of_turning(world.support_radius),
+            errors: closure.map_errors(),
             density,
             domain: None,
             max_memory: None,
@@ -155,10 +155,8 @@ impl<'a> Library<'a> {
     pub fn with_cells(&self, body: &Body) -> Body {
         let mut body = body.clone();
         body.shape = self.bounded(body.shape, body.pose());
-        let is_open = !body.bake.gives(Group::Cells) && body.bake.distance_tolerance.is_none();
-        if body.turns() && is_open && self.density.is_none() {
-            body.bake.tolerance = Some(Tolerance(self.errors_of_turning.volume));
-            body.bake.distance_tolerance = Some(RadiusPart(self.errors_of_turning.distance));
+        if body.turns() && !gives_cells(&body.bake) {
+            body.bake.cell_size = Some(self.cell_size_of_turning);
         }
         body
     }
@@ -290,9 +288,14 @@ impl<'a> Library<'a> {
         given: &Parameters,
         density: Option<KernelKind>,
     ) -> Result<Shape, Error> {
-        let recipe = self.recipe(given, density);
-        let identity = content_key::identify(path, recipe.effective())?;
+        let mut recipe = self.recipe(given, density);
+        let mut identity = content_key::identify(path, recipe.effective())?;
         let mut input = content_key::load(path, &recipe, &identity)?;
+        if !gives_cells(given) && self.is_large(&input, &recipe) {
+            let MapErrors { volume, distance } = self.errors;
+            recipe.bake.map.grid = GridChoice::Tolerance(Tolerances { volume, distance, normal: None });
+            identity = content_key::identify(path, recipe.effective())?;
+        }
         let key = identity.key;
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
         let cached = self.cache.join(format!("{stem}-{}.h5", &key[..24]));
@@ -314,6 +317,22 @@ impl<'a> Library<'a> {
         let surface = Surface::new(outer, primitive, recipe.bake.map.surface_offset());
         let content = *blake3::hash(key.as_bytes()).as_bytes();
         Ok(Shape { map: Arc::new(map), mesh: Some(mesh), primitive, surface, origin, content })
+    }
+
+    /// Whether equal cells would be so many that cells of several sizes, as exact as the closure needs, are worth their
+    /// search. Maps with a density have equal cells.
+    fn is_large(&self, input: &Input, recipe: &Recipe) -> bool {
+        let map = &recipe.bake.map;
+        if map.density.is_some() || input.placed_shape.is_some_and(|placed| placed.shape().is_unbounded()) {
+            return false;
+        }
+        let area = |[a, b, c]: [DVec3; 3]| 0.5 * (b - a).cross(c - a).length();
+        let corners = |triangle: &[u32; 3]| triangle.map(|v| DVec3::from(input.mesh.vertices[v as usize]));
+        let area = input.mesh.triangles.iter().map(|triangle| area(corners(triangle))).sum();
+        let [min, max] = input::bounds(&input.mesh);
+        let unlimited = MapSettings { max_memory: u64::MAX, ..map.clone() };
+        plan(&Extent { min, max, area }, &unlimited)
+            .map_or(true, |plan| plan.estimate.cells > MOST_EQUAL_CELLS)
     }
 
     /// Bakes, and keeps what came of it if it can.
@@ -378,11 +397,7 @@ impl<'a> Library<'a> {
         map.support_radius.get_or_insert(self.support_radius);
         map.max_memory = self.max_memory.unwrap_or(map.max_memory);
         if map.grid == GridChoice::FromRadius {
-            let MapErrors { volume, distance } = self.errors;
-            map.grid = match map.density {
-                Some(_) => GridChoice::CellSize(self.cell_size),
-                None => GridChoice::Tolerance(Tolerances { volume, distance, normal: None }),
-            };
+            map.grid = GridChoice::CellSize(self.cell_size);
         }
         if let Some(settings) = map.density.as_mut().filter(|_| density.is_some()) {
             settings.extension = density_map::EXTENSION;
@@ -400,6 +415,14 @@ fn has_hidden_triangles(asset: &Asset) -> bool {
 fn invert(map: &VolumeMap) -> &'static str {
     if map.exterior() == Exterior::Solid { ", invert = true" } else { "" }
 }
+
+/// Whether the size of the cells is given, or how exact they are.
+fn gives_cells(given: &Parameters) -> bool {
+    given.gives(Group::Cells) || given.distance_tolerance.is_some() || given.normal_tolerance.is_some()
+}
+
+/// Equal cells of a map, at most: 30 MB or so. The search for larger ones takes longer than their bake otherwise.
+const MOST_EQUAL_CELLS: u64 = 500_000;
 
 /// Containers with cells so many times larger are worth a note.
 const COARSE: f64 = 1.2;
