@@ -64,7 +64,7 @@ impl VolumeMap {
 
     /// The lattice in the smallest cells that are no more than `most`, or the map's own.
     pub fn finest_grid(&self, most: u64) -> Grid {
-        let grids = (0..self.levels() as u32).rev().map(|level| self.grid.refined(level));
+        let grids = (0..self.levels()).rev().map(|level| self.grid.refined(level));
         let cells = |grid: &Grid| grid.resolution.as_u64vec3().element_product();
         grids.into_iter().find(|grid| cells(grid) <= most).unwrap_or(self.grid)
     }

@@ -48,7 +48,7 @@ fn tree(resolution: [u32; 3], levels: u32, dice: &mut Dice) -> Tree {
         let mut of_level: Vec<_> = leaves.iter().copied().filter(|leaf| leaf.0 == level).collect();
         of_level.sort();
         for leaf in of_level {
-            if dice.roll() % 4 == 0 {
+            if dice.roll().is_multiple_of(4) {
                 split(&mut leaves, leaf);
             }
         }

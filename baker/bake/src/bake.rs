@@ -173,7 +173,8 @@ impl PlannedBake {
                 (plan, maps, Some(found))
             }
             Cells::Measured(tolerances) => {
-                let adapted = adapt(&problem, map, *tolerances, watch)?;
+                let adapted = adapt(&problem, map, *tolerances, watch);
+                let adapted = adapted.map_err(|error| self.lengths().explain(error))?;
                 return Ok((adapted.plan.clone(), Fields::Adaptive(Box::new(adapted)), None));
             }
         };

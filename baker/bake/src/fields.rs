@@ -9,8 +9,8 @@ use crate::sdf::BoundaryDistance;
 use crate::sdf::leaks::leaks;
 use crate::sdf::thin::ThinPlaces;
 use crate::settings::MapSettings;
-use crate::storage::{dense_nodes, stored_asset};
-use crate::summary::{CellCounts, Rounding};
+use crate::storage::{Rounding, dense_nodes, stored_asset};
+use crate::summary::CellCounts;
 use glam::DVec3;
 use volmap_formats::asset::Asset;
 

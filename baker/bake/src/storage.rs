@@ -1,11 +1,9 @@
 //! Fields as they are stored.
 
-use crate::adaptive::Settled;
 use crate::error::Error;
 use crate::maps::Maps;
 use crate::plan::Plan;
 use crate::settings::{MapSettings, Precision};
-use crate::summary::Rounding;
 use crate::volume_map::quadrature::Rule;
 use glam::UVec3;
 use volmap_formats::asset::{Array, Asset, Attributes, Dimension, QuadratureSpec, Rounded};
@@ -16,6 +14,19 @@ pub(crate) fn dense_nodes(resolution: UVec3, level: u32) -> u64 {
     let corners = (x + 1) * (y + 1) * (z + 1);
     let edges = x * (y + 1) * (z + 1) + (x + 1) * y * (z + 1) + (x + 1) * (y + 1) * z;
     u64::try_from(corners + 2 * edges).unwrap_or(u64::MAX)
+}
+
+/// How far the stored fields may be, and are, from what was computed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rounding {
+    /// The bound: part of r and of the full ball.
+    pub allowed: f64,
+    /// Largest change of a distance, part of r.
+    pub distance: f64,
+    /// Largest change of a volume, part of the full ball.
+    pub volume: f64,
+    /// Largest change of a density over rest density.
+    pub density: f64,
 }
 
 /// The asset of the maps, which says nothing of bake and source yet, and what rounding changed.
@@ -59,43 +70,7 @@ pub(crate) fn stored_asset(
     Ok((asset, rounding))
 }
 
-/// The same of an adaptive map.
-pub(crate) fn adaptive_asset(
-    settled: &Settled,
-    plan: &Plan,
-    settings: &MapSettings,
-) -> Result<(Asset, Option<Rounding>), Error> {
-    let r = plan.support_radius;
-    let quadrature = quadrature(settings.rule, r);
-    let (signed_distance, distance) = stored(settled.distance.clone(), r, settings.precision)?;
-    let (volume, of_volume) = stored(settled.volume.clone(), quadrature.ball_volume, settings.precision)?;
-    let rounding = match settings.precision {
-        Precision::Rounded(allowed) => Some(Rounding { allowed, distance, volume: of_volume, density: 0.0 }),
-        Precision::F32 | Precision::F64 => None,
-    };
-    let mut levels = settled.levels.iter().cloned();
-    let coarsest = levels.next().unwrap_or_default();
-    let asset = Asset {
-        dimension: Dimension::Three,
-        grid: plan.grid.into(),
-        support_radius: r,
-        exterior: plan.exterior,
-        quadrature,
-        band_cells: coarsest.band,
-        solid_cells: coarsest.solid,
-        finer: levels.collect(),
-        signed_distance,
-        volume,
-        plane_weight: settled.weights.contains(&1).then(|| settled.weights.clone()),
-        density: None,
-        bake: Attributes::new(),
-        source: Attributes::new(),
-        diagnosis: Attributes::new(),
-    };
-    Ok((asset, rounding))
-}
-
-fn quadrature(rule: Rule, support_radius: f64) -> QuadratureSpec {
+pub(crate) fn quadrature(rule: Rule, support_radius: f64) -> QuadratureSpec {
     QuadratureSpec {
         name: rule.to_string(),
         degree: rule.degree(),

@@ -10,6 +10,7 @@ use crate::sdf::sign::SignChoice;
 use crate::sdf::sign_comparison::SignComparison;
 use crate::sdf::thin::ThinPlaces;
 use crate::settings::density::DensitySettings;
+pub use crate::storage::Rounding;
 use crate::tolerance::Found;
 use glam::DVec3;
 use std::fmt::{self, Display, Formatter};
@@ -78,19 +79,6 @@ pub struct CellCounts {
     pub band: u64,
     /// Deeper in the solid than the band.
     pub solid: u64,
-}
-
-/// How far the stored fields may be, and are, from what was computed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rounding {
-    /// The bound: part of r and of the full ball.
-    pub allowed: f64,
-    /// Largest change of a distance, part of r.
-    pub distance: f64,
-    /// Largest change of a volume, part of the full ball.
-    pub volume: f64,
-    /// Largest change of a density over rest density.
-    pub density: f64,
 }
 
 impl Summary {

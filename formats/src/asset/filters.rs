@@ -154,10 +154,14 @@ fn compress(bytes: &[u8], level: u32, out: &mut Vec<u8>) -> std::io::Result<()> 
     })
 }
 
+/// A compressor and its level.
+#[cfg(feature = "write")]
+type LastEncoder = Option<(u32, zlib_rs::Deflate)>;
+
 #[cfg(feature = "write")]
 thread_local! {
-    /// A thread's compressor and its level, and the room that it writes to.
-    static ENCODER: RefCell<(Option<(u32, zlib_rs::Deflate)>, Vec<u8>)> = const { RefCell::new((None, Vec::new())) };
+    /// A thread's compressor, and the room that it writes to.
+    static ENCODER: RefCell<(LastEncoder, Vec<u8>)> = const { RefCell::new((None, Vec::new())) };
 }
 
 /// Undoes [`deflate`], as any zlib stream; `None` if it is damaged, or holds more than `most` bytes.

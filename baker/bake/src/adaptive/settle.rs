@@ -113,7 +113,7 @@ impl<D: SignedDistance> Judge<'_, D> {
             tree.cells.insert(cell, State::Split);
         }
         let children = cells.into_iter().flat_map(LevelCell::children).collect();
-        Ok(self.decide(children, tree, known)?)
+        self.decide(children, tree, known)
     }
 
     /// Numbers the nodes, and takes their values.

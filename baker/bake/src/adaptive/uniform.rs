@@ -122,7 +122,8 @@ impl Source<'_> {
             let weight: f64 = trilinear(xi).iter().zip(corners).map(|(n, w)| n * w).sum();
             volume += weight * wall.volume(distance);
         }
-        [distance, volume]
+        // A fit overshoots by a part of its tolerance; a volume is none then.
+        [distance, volume.clamp(0.0, self.asset.quadrature.ball_volume)]
     }
 
     /// Where no cell is stored: as far as the band is wide.

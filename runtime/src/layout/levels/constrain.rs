@@ -72,7 +72,7 @@ fn coarse_rows(family: Family, row: &NodeRow, coarse: &Rows) -> Vec<CoarseRow> {
 /// are not `at_corner` but within the edge from there to the next point, those nodes.
 fn holders(point: u32, at_corner: bool) -> impl Iterator<Item = u32> {
     let upper = point / 2;
-    let lower = if at_corner && point % 2 == 0 { upper.saturating_sub(1) } else { upper };
+    let lower = if at_corner && point.is_multiple_of(2) { upper.saturating_sub(1) } else { upper };
     lower..=upper
 }
 
