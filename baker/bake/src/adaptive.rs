@@ -57,7 +57,7 @@ const REPAIRS: usize = 5;
 const MOST_REPAIRED: usize = 30;
 /// Error of Phi on the tree, in support radii for each part of the ball: V on it is then wrong by less than
 /// half of the tolerance, by a tenth as a rule.
-const TREE: f64 = 0.4;
+const TREE: f64 = 0.25;
 /// From this tolerance on the coarser reference is fine enough: its own error is 0.06 % of the ball, the other's 0.02 %.
 const COARSE_FROM: f64 = 5e-3;
 

@@ -212,6 +212,7 @@ fn is_good(nodes: &[f64; NODES], exact: &[f64; PROBES.len()], margin: f64, setti
         sum += (found - exact).abs();
         count += 1.0;
     }
+    // Of a small leaf at a kink only part of the ball is wrong by it.
     let part = (2.0 * margin / settings.radius).min(1.0);
-    sum / count.max(1.0) * part <= settings.tolerance
+    sum / count.max(1.0) * part * part.sqrt() <= settings.tolerance
 }
