@@ -331,8 +331,8 @@ impl<'a> Library<'a> {
         let area = input.mesh.triangles.iter().map(|triangle| area(corners(triangle))).sum();
         let [min, max] = input::bounds(&input.mesh);
         let unlimited = MapSettings { max_memory: u64::MAX, ..map.clone() };
-        plan(&Extent { min, max, area }, &unlimited)
-            .map_or(true, |plan| plan.estimate.cells > MOST_EQUAL_CELLS)
+        let cells = plan(&Extent { min, max, area }, &unlimited).map_or(0, |plan| plan.estimate.cells);
+        (MOST_EQUAL_CELLS + 1..=MOST_SEARCHED).contains(&cells)
     }
 
     /// Bakes, and keeps what came of it if it can.
@@ -423,6 +423,10 @@ fn gives_cells(given: &Parameters) -> bool {
 
 /// Equal cells of a map, at most: 30 MB or so. The search for larger ones takes longer than their bake otherwise.
 const MOST_EQUAL_CELLS: u64 = 500_000;
+/// Equal cells instead of which cells of several sizes are searched, at most: on rough surfaces that are many support
+/// radii large the search takes longer than anybody waits. Such maps are refused for their memory, and the cells are to
+/// be given.
+const MOST_SEARCHED: u64 = 20_000_000;
 
 /// Containers with cells so many times larger are worth a note.
 const COARSE: f64 = 1.2;
