@@ -615,6 +615,38 @@ fn slice_refuses_what_it_cannot_draw() {
 }
 
 #[test]
+fn adaptive_maps_have_the_same_bytes_on_any_threads_and_go_to_other_programs_and_back() {
+    let folder = folder();
+    let mut first: Option<Vec<u8>> = None;
+    for threads in ["1", "3"] {
+        let options = ["--tolerance", "5%", "-o", "a.h5", "-q", "--threads", threads];
+        output(volmap(&folder).arg("bake").arg(data("duck.obj")).args(options));
+        let bytes = fs::read(folder.path().join("a.h5")).unwrap();
+        assert!(*first.get_or_insert(bytes.clone()) == bytes, "other bytes on {threads} threads");
+    }
+    let json: serde_json::Value =
+        serde_json::from_str(&output(volmap(&folder).args(["info", "a.h5", "--json"]))).unwrap();
+    assert_eq!(json["format_version"], 5);
+    let levels: Vec<u64> = serde_json::from_value(json["cells"]["by_level"].clone()).unwrap();
+    assert!(levels.len() > 1 && json["cells"]["band"] == levels.iter().sum::<u64>(), "{levels:?}");
+    let told = output(volmap(&folder).args(["export", "a.h5", "-o", "a.cdm"]));
+    assert!(told.contains("cells of several sizes became equal ones"), "{told}");
+    output(volmap(&folder).args(["import", "a.cdm", "-o", "b.h5", "--support-radius", "0.1"]));
+    fs::write(folder.path().join("p.csv"), "x,y,z\n0,0.7,0.2\n0.6,-0.1,0\n0,0,0.8\n").unwrap();
+    let distances = ["a.h5", "b.h5"].map(|map| {
+        let table = output(volmap(&folder).args(["query", map, "--points", "p.csv"]));
+        table
+            .lines()
+            .skip(1)
+            .map(|line| line.split(',').nth(3).unwrap().parse().unwrap())
+            .collect::<Vec<f64>>()
+    });
+    for (own, back) in distances[0].iter().zip(&distances[1]) {
+        assert!((own - back).abs() < 1e-4, "{distances:?}");
+    }
+}
+
+#[test]
 fn a_density_is_baked_shown_and_asked_for() {
     let folder = folder();
     let options = ["--resolution", "16", "--density", "--kernel", "wendland", "--density-quadrature", "gl20"];

@@ -7,7 +7,7 @@
 use crate::adaptive::{AdaptiveCells, Walls};
 use crate::error::Error;
 use crate::grid::Grid;
-use crate::layout::{CellIndex, FlatWall, LevelCells, Levels, Nodes};
+use crate::layout::{CellIndex, FlatWall, Levels, Nodes};
 use crate::map::{Content, DensityNodes, VolumeMap};
 use crate::plane::{self, PlaneNodes};
 use crate::storage::{Pairs, RealPairs, Singles};
@@ -76,9 +76,7 @@ fn uniform(asset: &Asset, grid: Grid) -> Result<(Content, Option<DensityNodes>),
 }
 
 fn of_levels(asset: &Asset, grid: Grid) -> Result<Content, Error> {
-    let first = LevelCells { band: asset.band_cells.clone(), solid: asset.solid_cells.clone() };
-    let cells: Vec<LevelCells> = std::iter::once(first).chain(asset.finer.iter().cloned()).collect();
-    let levels = Levels::for_values(grid, &cells, asset.signed_distance.len())
+    let levels = Levels::for_values(grid, &asset.levels(), asset.signed_distance.len())
         .map_err(|error| Error::inconsistent("/cells/band", error.to_string()))?;
     let fields = complete(&asset.signed_distance, &asset.volume, &levels)?;
     let walls = asset.plane_weight.as_ref().map(|weights| -> Result<Walls, Error> {

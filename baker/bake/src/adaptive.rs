@@ -4,9 +4,9 @@
 //! ```text
 //! tree      Phi on a tree of cells of its own, as fine as Eq. 12 needs       (distance_tree)
 //! V(x)      Eq. 12 on that tree, at any point                                (volume)
-//! cells     split where Phi, V or the normal miss at the midpoints           (cells)
-//! settle    2:1 balance, constraints, weights; split what misses in place    (settle)
-//! measure   the map as stored, against the exact distance; again, stricter, if it misses   (measure)
+//! cells     split where Phi, V or the normal miss within                     (cells)
+//! settle    2:1 balance, constraints, weights; split what misses in place    (settle, fit)
+//! measure   the map as stored, against the exact distance; split where it misses   (stored, measure)
 //! ```
 
 mod cells;
@@ -37,11 +37,11 @@ use crate::volume_map::quadrature::Rule;
 use crate::watch::Watch;
 use cells::{CellTree, Judge, Known};
 use distance_tree::{DistanceTree, TreeSettings};
-use glam::{DVec3, UVec3};
-use lattice::{FineLattice, LevelCell};
+use glam::DVec3;
+use lattice::{FineLattice, LevelCell, indices};
 use measure::Reference;
 use stored::adaptive_asset;
-use volmap_formats::asset::{Asset, LevelCells};
+use volmap_formats::asset::Asset;
 use volmap_runtime::VolumeMap;
 use volmap_runtime::layout::FlatWall;
 use volume::TreeIntegrator;
@@ -72,7 +72,7 @@ pub struct Adapted {
     pub coarsest: f64,
     /// Cells of each level.
     pub cells: Vec<u64>,
-    /// Cells of the finest level that are still wrong by more than the tolerance, and the centre of one.
+    /// Cells of the finest level that are still wrong by more than the tolerance.
     pub left: usize,
     /// The centre of one of them.
     pub left_at: Option<[f64; 3]>,
@@ -94,6 +94,13 @@ pub struct AdaptiveMap {
     pub found: Adapted,
 }
 
+impl AdaptiveMap {
+    /// The last level that has cells.
+    pub fn finest_level(&self) -> u32 {
+        self.settled.levels.len() as u32 - 1
+    }
+}
+
 /// Finds the cells, and the map with them.
 ///
 /// # Errors
@@ -109,14 +116,13 @@ pub fn adapt<D: SignedDistance>(
     let coarse = MapSettings { grid: GridChoice::CellSize(COARSEST * radius), ..settings.clone() };
     let plan = plan(problem.extent, &coarse)?;
     let lattice = lattice_of(&plan)?;
-    let work = watch.begin(Stage::Reference.step(), 0)?;
+    watch.step(Stage::Reference.step())?;
     let points = fluid_points(problem, settings, &plan);
     if points.is_empty() {
         return Err(no_fluid());
     }
     let search =
         Search { phi: problem.phi, settings, tolerances, plan: &plan, lattice, points: &points, watch };
-    drop(work);
     let (settled, asset, rounding, found) = search.run()?;
     Ok(AdaptiveMap { plan, settled, asset, rounding, found })
 }
@@ -131,7 +137,7 @@ fn lattice_of(plan: &Plan) -> Result<FineLattice, Error> {
     })
 }
 
-/// All that the rounds of a search share.
+/// What a search needs.
 struct Search<'a, D> {
     phi: &'a D,
     settings: &'a MapSettings,
@@ -143,12 +149,12 @@ struct Search<'a, D> {
     watch: &'a Watch,
 }
 
-/// What a round gives.
-type Round = (Settled, Asset, Option<Rounding>, Adapted);
+/// What it finds.
+type Searched = (Settled, Asset, Option<Rounding>, Adapted);
 
 impl<D: SignedDistance> Search<'_, D> {
     /// Splits cells until the map, as it is stored, is as exact as asked for.
-    fn run(&self) -> Result<Round, Error> {
+    fn run(&self) -> Result<Searched, Error> {
         let (radius, mut known) = (self.plan.support_radius, Known::default());
         let work = self.watch.begin(Stage::Distance.step(), 0)?;
         let tolerance = TREE * self.tolerances.volume * radius;
@@ -169,22 +175,37 @@ impl<D: SignedDistance> Search<'_, D> {
             max_memory: self.settings.max_memory,
             work: &work,
         };
+        let lines = LineRule::new(self.reference_rule().points());
         let mut cells = CellTree::default();
         judge.decide(self.roots(), &mut cells, &mut known)?;
         let mut settled = judge.settle(&mut cells, &mut known, self.plan)?;
+        let mut reference = None;
         for repairs in 0.. {
             let (asset, rounding) = adaptive_asset(&settled, self.plan, self.settings)?;
-            let (found, missed) = self.measured(&asset, &settled, &tree)?;
+            let work = self.watch.begin(Stage::Reference.step(), 0)?;
+            let made = || self.reference(&TreeIntegrator::new(&tree, &lines, radius));
+            let reference: &mut Reference<D> = reference.get_or_insert_with(made);
+            let (errors, missed) = reference.errors(&opened(&asset)?, &self.tolerances, &work)?;
             if missed.is_empty() || repairs == REPAIRS {
+                let found = self.found(errors, &asset, &settled);
                 return Ok((settled, asset, rounding, found));
             }
             if missed.len() > MOST_REPAIRED {
                 // It isn't a matter of places.
-                judge.in_place *= (0.95 / self.excess(&found.errors)).clamp(0.5, 0.95);
+                judge.in_place *= (0.95 / self.excess(&errors)).clamp(0.5, 0.95);
             }
             settled = judge.repair(&missed, &mut cells, &mut known, self.plan)?;
         }
         unreachable!("the last repair returns")
+    }
+
+    fn reference_rule(&self) -> Rule {
+        Rule::Chord(if self.tolerances.volume >= COARSE_FROM { 12 } else { 20 })
+    }
+
+    /// `estimate` is by its rule.
+    fn reference(&self, estimate: &TreeIntegrator) -> Reference<'_, D> {
+        Reference::new(self.phi, self.plan.support_radius, self.reference_rule(), estimate, self.points)
     }
 
     /// The largest error as a part of what is allowed.
@@ -196,36 +217,23 @@ impl<D: SignedDistance> Search<'_, D> {
 
     /// The cells of the map's grid, on the lattice of the larger one on which Phi is needed.
     fn roots(&self) -> Vec<LevelCell> {
-        let (n, margin) = (self.plan.grid.resolution, self.plan.margin);
-        let at = |number: u32| UVec3::new(number % n.x, number / n.x % n.y, number / n.x / n.y);
-        (0..n.element_product()).map(|number| LevelCell { level: 0, at: margin + at(number) }).collect()
+        let cell = |at| LevelCell { level: 0, at: self.plan.margin + at };
+        indices(self.plan.grid.resolution).map(cell).collect()
     }
 
-    fn measured(
-        &self,
-        asset: &Asset,
-        settled: &Settled,
-        tree: &DistanceTree,
-    ) -> Result<(Adapted, Vec<DVec3>), Error> {
-        let radius = self.plan.support_radius;
-        let work = self.watch.begin(Stage::Reference.step(), 0)?;
-        let map =
-            VolumeMap::from_asset(asset).map_err(|error| Error::setting("tolerance", error.to_string()))?;
-        let rule = Rule::Chord(if self.tolerances.volume >= COARSE_FROM { 12 } else { 20 });
-        let lines = LineRule::new(rule.points());
-        let estimate = TreeIntegrator::new(tree, &lines, radius);
-        let reference = Reference { phi: self.phi, radius, rule, estimate: &estimate, points: self.points };
-        let count = |level: &LevelCells| level.band.iter().map(|run| u64::from(run.len)).sum();
-        let (errors, missed) = reference.errors(&map, &self.tolerances, &work)?;
-        let found = Adapted {
+    fn found(&self, errors: MapErrors, asset: &Asset, settled: &Settled) -> Adapted {
+        Adapted {
             tolerances: self.tolerances,
             errors,
             coarsest: self.plan.grid.cell_size.x,
-            cells: settled.levels.iter().map(count).collect(),
+            cells: asset.cells_by_level(),
             left: settled.left.len(),
             left_at: settled.left.first().map(|cell| self.lattice.center(*cell).to_array()),
-            reference: rule,
-        };
-        Ok((found, missed))
+            reference: self.reference_rule(),
+        }
     }
+}
+
+fn opened(asset: &Asset) -> Result<VolumeMap, Error> {
+    VolumeMap::from_asset(asset).map_err(|error| Error::setting("tolerance", error.to_string()))
 }

@@ -76,6 +76,18 @@ pub fn identify(path: &Path, parameters: BTreeMap<String, String>) -> Result<Ide
     Ok(identity)
 }
 
+impl Identity {
+    /// That of the same mesh with other parameters.
+    pub fn with_parameters(&self, mut parameters: BTreeMap<String, String>) -> Identity {
+        parameters.extend(
+            self.parameters.get_key_value(FORMAT).map(|(name, format)| (name.clone(), format.clone())),
+        );
+        let mut identity = Identity { parameters, ..self.clone() };
+        identity.key = key(&identity);
+        identity
+    }
+}
+
 /// The files that a mesh file refers to; none if it can't be read.
 pub fn references(path: &Path) -> Vec<PathBuf> {
     let Ok(bytes) = mesh::read_bytes(path) else { return Vec::new() };

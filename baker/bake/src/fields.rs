@@ -50,20 +50,16 @@ impl Fields {
     /// How many cells there are.
     pub fn cells(&self, plan: &Plan) -> CellCounts {
         let grid = plan.grid.resolution.as_u64vec3().element_product();
-        let count = |runs: &[volmap_formats::asset::CellRun]| runs.iter().map(|run| u64::from(run.len)).sum();
         match self {
             Fields::Uniform(maps) => {
-                CellCounts { grid, band: count(&maps.cells.band), solid: count(&maps.cells.solid) }
+                CellCounts { grid, band: maps.cells.band_count(), solid: maps.cells.solid_count() }
             }
-            Fields::Adaptive(map) => {
-                let levels = &map.settled.levels;
-                CellCounts {
-                    // If all were as small as the smallest.
-                    grid: grid << (3 * (levels.len() - 1)),
-                    band: levels.iter().map(|level| count(&level.band)).sum(),
-                    solid: levels.iter().map(|level| count(&level.solid)).sum(),
-                }
-            }
+            // Of the grid, if all were as small as the smallest.
+            Fields::Adaptive(map) => CellCounts {
+                grid: grid << (3 * map.finest_level()),
+                band: map.asset.band_count(),
+                solid: map.asset.solid_count(),
+            },
         }
     }
 
@@ -72,9 +68,9 @@ impl Fields {
         let fields = 2 + u64::from(settings.density.is_some());
         let level = match self {
             Fields::Uniform(_) => 0,
-            Fields::Adaptive(map) => map.settled.levels.len() - 1,
+            Fields::Adaptive(map) => map.finest_level(),
         };
-        let dense = dense_nodes(plan.grid.resolution, level as u32);
+        let dense = dense_nodes(plan.grid.resolution, level);
         [dense, self.distance().len() as u64]
             .map(|nodes| nodes.saturating_mul(fields * settings.precision.bytes()))
     }
@@ -92,9 +88,8 @@ impl Fields {
         match self {
             Fields::Uniform(maps) => ThinPlaces::find(&plan.grid, &maps.nodes, &maps.distance, phi),
             Fields::Adaptive(map) => {
-                let finest =
-                    plan.grid.cell_size.max_element() / (1u32 << (map.settled.levels.len() - 1)) as f64;
-                ThinPlaces { cell: finest, ..ThinPlaces::default() }
+                let finest = plan.grid.refined(map.finest_level());
+                ThinPlaces { cell: finest.cell_size.max_element(), ..ThinPlaces::default() }
             }
         }
     }

@@ -35,19 +35,31 @@ pub(crate) fn stored_asset(
     plan: &Plan,
     settings: &MapSettings,
 ) -> Result<(Asset, Option<Rounding>), Error> {
+    let (mut asset, mut rounding) = stored_fields(maps.distance, maps.volume, plan, settings)?;
+    (asset.band_cells, asset.solid_cells) = (maps.cells.band, maps.cells.solid);
+    if let Some((density, values)) = settings.density.zip(maps.density) {
+        let (values, change) = stored(values, 1.0, settings.precision)?;
+        asset.density = Some(density.field(plan.support_radius, values));
+        rounding = rounding.map(|rounding| Rounding { density: change, ..rounding });
+    }
+    Ok((asset, rounding))
+}
+
+/// The same of distance and volume alone, as yet without cells.
+pub(crate) fn stored_fields(
+    distance: Vec<f64>,
+    volume: Vec<f64>,
+    plan: &Plan,
+    settings: &MapSettings,
+) -> Result<(Asset, Option<Rounding>), Error> {
     let r = plan.support_radius;
     let quadrature = quadrature(settings.rule, r);
-    let (signed_distance, distance_change) = stored(maps.distance, r, settings.precision)?;
-    let (volume, volume_change) = stored(maps.volume, quadrature.ball_volume, settings.precision)?;
-    let density = maps.density.map(|values| stored(values, 1.0, settings.precision)).transpose()?;
-    let (density, density_change) = density.unzip();
+    let (signed_distance, of_distance) = stored(distance, r, settings.precision)?;
+    let (volume, of_volume) = stored(volume, quadrature.ball_volume, settings.precision)?;
     let rounding = match settings.precision {
-        Precision::Rounded(allowed) => Some(Rounding {
-            allowed,
-            distance: distance_change,
-            volume: volume_change,
-            density: density_change.unwrap_or(0.0),
-        }),
+        Precision::Rounded(allowed) => {
+            Some(Rounding { allowed, distance: of_distance, volume: of_volume, density: 0.0 })
+        }
         Precision::F32 | Precision::F64 => None,
     };
     let asset = Asset {
@@ -56,12 +68,12 @@ pub(crate) fn stored_asset(
         support_radius: r,
         exterior: plan.exterior,
         quadrature,
-        band_cells: maps.cells.band,
-        solid_cells: maps.cells.solid,
+        band_cells: Vec::new(),
+        solid_cells: Vec::new(),
         finer: Vec::new(),
         signed_distance,
         volume,
-        density: settings.density.zip(density).map(|(density, values)| density.field(r, values)),
+        density: None,
         plane_weight: None,
         bake: Attributes::new(),
         source: Attributes::new(),
@@ -70,7 +82,7 @@ pub(crate) fn stored_asset(
     Ok((asset, rounding))
 }
 
-pub(crate) fn quadrature(rule: Rule, support_radius: f64) -> QuadratureSpec {
+fn quadrature(rule: Rule, support_radius: f64) -> QuadratureSpec {
     QuadratureSpec {
         name: rule.to_string(),
         degree: rule.degree(),

@@ -5,7 +5,7 @@ mod summary;
 use serde_json::{Map, Value as Json, json};
 use std::fmt::Write;
 pub use summary::to_summary;
-use volmap_formats::asset::{Array, Asset, Attributes, CellRun, DensityField, Exterior, Value};
+use volmap_formats::asset::{Array, Asset, Attributes, DensityField, Exterior, Value};
 
 /// All but the fields themselves, as JSON.
 pub fn to_json(asset: &Asset, file_bytes: u64) -> Json {
@@ -25,7 +25,7 @@ pub fn to_json(asset: &Asset, file_bytes: u64) -> Json {
             "grid": asset.grid.resolution.iter().map(|&n| u64::from(n)).product::<u64>(),
             "band": asset.band_count(),
             "by_level": asset.cells_by_level(),
-            "solid": count(&asset.solid_cells) + asset.finer.iter().map(|level| count(&level.solid)).sum::<u64>(),
+            "solid": asset.solid_count(),
         },
         "quadrature": {
             "name": asset.quadrature.name,
@@ -88,10 +88,6 @@ pub fn exterior(asset: &Asset) -> &'static str {
         Exterior::Fluid => "fluid",
         Exterior::Solid => "solid",
     }
-}
-
-fn count(runs: &[CellRun]) -> u64 {
-    runs.iter().map(|run| u64::from(run.len)).sum()
 }
 
 fn field(values: &Array, units: &str) -> Json {

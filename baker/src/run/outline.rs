@@ -39,7 +39,7 @@ pub fn run_bake_outline(arguments: &OutlineArguments) -> Result<()> {
 fn summary(asset: &Asset) -> String {
     let [x, y, _] = asset.grid.resolution;
     let [width, height, _] = asset.grid.cell_size;
-    let cells: u64 = asset.band_cells.iter().map(|run| u64::from(run.len)).sum();
+    let cells: u64 = asset.band_count();
     let mut out = format!(
         "support    {} m\ngrid       {x} x {y} cells of {} x {} m\nband       {} cells, {} nodes\n",
         asset.support_radius,

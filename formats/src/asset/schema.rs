@@ -96,9 +96,14 @@ impl Asset {
         !self.finer.is_empty() || self.plane_weight.is_some()
     }
 
+    /// The cells of each level, the grid's first.
+    pub fn levels(&self) -> Vec<LevelCells> {
+        let first = LevelCells { band: self.band_cells.clone(), solid: self.solid_cells.clone() };
+        std::iter::once(first).chain(self.finer.iter().cloned()).collect()
+    }
+
     /// Number of stored cells of each level; one number of a map whose cells have one size.
     pub fn cells_by_level(&self) -> Vec<u64> {
-        let count = |runs: &[CellRun]| runs.iter().map(|run| u64::from(run.len)).sum();
         let finer = self.finer.iter().map(|level| count(&level.band));
         std::iter::once(count(&self.band_cells)).chain(finer).collect()
     }
@@ -107,6 +112,15 @@ impl Asset {
     pub fn band_count(&self) -> u64 {
         self.cells_by_level().iter().sum()
     }
+
+    /// Number of cells deeper in the solid than the band, of all levels.
+    pub fn solid_count(&self) -> u64 {
+        count(&self.solid_cells) + self.finer.iter().map(|level| count(&level.solid)).sum::<u64>()
+    }
+}
+
+fn count(runs: &[CellRun]) -> u64 {
+    runs.iter().map(|run| u64::from(run.len)).sum()
 }
 
 impl Dimension {

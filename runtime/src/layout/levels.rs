@@ -87,6 +87,13 @@ pub struct CornerWeights {
     pub of_cell: Vec<u32>,
 }
 
+impl CornerWeights {
+    /// Those of a cell, by its number.
+    pub fn of(&self, cell: usize) -> [f64; 8] {
+        self.palette[self.of_cell[cell] as usize]
+    }
+}
+
 impl Levels {
     /// Numbers the nodes. `grid` is that of level 0, `levels[0]` are its cells; the lists are as
     /// [`Asset::check`](volmap_formats::asset::Asset::check) wants them.

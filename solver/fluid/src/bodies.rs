@@ -92,6 +92,9 @@ pub struct Totals {
     pub potential_energy: f64,
 }
 
+/// Equal cells that stand for those of several sizes, at most.
+const MOST_CELLS: u64 = 1 << 22;
+
 impl Bodies {
     /// Bodies at time 0; gravity in m/s^2.
     ///

@@ -1,8 +1,7 @@
 //! The tree of a map's cells: split where measured errors are too large, and balanced.
 
-use super::distance_tree::{probe_place, shapes_at_probes};
 use super::fit::Targets;
-use super::lattice::{CENTRE, FineLattice, Key, LevelCell, PROBES};
+use super::lattice::{FineLattice, Key, LevelCell, PROBES, SHAPES, probe_place};
 use super::measure::exact_normal;
 use super::samples::Samples;
 use super::volume::TreeIntegrator;
@@ -43,7 +42,7 @@ pub enum Wish {
 
 /// What the cells are judged by.
 pub struct Judge<'a, D> {
-    /// All nodes and midpoints.
+    /// All nodes and probes.
     pub lattice: FineLattice,
     /// Support radius, metres.
     pub radius: f64,
@@ -130,13 +129,11 @@ impl<D: SignedDistance> Judge<'_, D> {
 
     fn states(&self, cells: &[LevelCell], known: &mut Known) -> Result<Vec<State>, Error> {
         let lattice = self.lattice;
-        let center = |cell: LevelCell| lattice.probes(cell)[CENTRE];
-        let centers = cells.par_iter().map(|&cell| center(cell));
+        let centers = cells.par_iter().map(|&cell| lattice.center_key(cell));
         known.distance.ask_distance(centers, &lattice, self.phi, self.work)?;
         let beyond = |&cell: &LevelCell| {
-            // Phi is 1-Lipschitz; a little more for rounding.
-            let reach = 0.5 * lattice.cell_size(cell.level).length() * (1.0 + 1e-9);
-            match known.distance.at(center(cell)) {
+            let reach = lattice.reach(cell.level);
+            match known.distance.at(lattice.center_key(cell)) {
                 phi if phi - reach > 2.0 * self.radius => Some(State::Fluid),
                 phi if phi + reach < -2.0 * self.radius => Some(State::Solid),
                 _ => None,
@@ -151,7 +148,7 @@ impl<D: SignedDistance> Judge<'_, D> {
         Ok(cells.par_iter().zip(states).map(judged).collect())
     }
 
-    /// Makes distance and volume known at the nodes and midpoints of cells of the band.
+    /// Makes distance and volume known at the nodes and probes of cells of the band.
     fn measure(&self, cells: &[LevelCell], known: &mut Known) -> Result<(), Cancelled> {
         let lattice = self.lattice;
         let of_cell = |&cell| lattice.nodes(cell).into_iter().chain(lattice.probes(cell));
@@ -198,7 +195,7 @@ impl<D: SignedDistance> Judge<'_, D> {
         })
     }
 
-    /// Largest errors of a cell with these fields at its midpoints.
+    /// Largest errors of a cell with these fields at its probes.
     pub fn errors(&self, cell: LevelCell, fields: &CellFields, known: &Known) -> Errors {
         let mut errors = Errors::default();
         for (at, key) in self.lattice.probes(cell).into_iter().enumerate() {
@@ -209,8 +206,7 @@ impl<D: SignedDistance> Judge<'_, D> {
             let shape = &SHAPES[at];
             let sum = |values: &[f64; NODES]| shape.iter().zip(values).map(|(n, v)| n * v).sum::<f64>();
             let distance = sum(&fields.distance);
-            let weight: f64 = WEIGHTS[at].iter().zip(&fields.weights).map(|(n, w)| n * w).sum();
-            let plane = if weight == 0.0 { 0.0 } else { weight * self.wall.volume(distance) };
+            let plane = self.of_wall(part_of(&WEIGHTS[at], &fields.weights), distance);
             let miss = (plane + sum(&fields.volume) - known.volume.at(key)).abs();
             errors.volume = errors.volume.max(miss / (self.tolerances.volume * self.ball));
             if exact <= self.radius {
@@ -221,12 +217,17 @@ impl<D: SignedDistance> Judge<'_, D> {
         errors
     }
 
+    /// w V_plane(Phi), m^3.
+    pub fn of_wall(&self, weight: f64, distance: f64) -> f64 {
+        if weight == 0.0 { 0.0 } else { weight * self.wall.volume(distance) }
+    }
+
     /// Whether fluid can be where Phi is this.
     pub fn counts(&self, phi: f64) -> bool {
         (-DEPTH * self.radius..=2.0 * self.radius).contains(&phi)
     }
 
-    /// What the stored volume should be at a cell's midpoints.
+    /// What the stored volume should be at a cell's probes.
     pub fn targets(
         &self,
         cell: LevelCell,
@@ -236,10 +237,8 @@ impl<D: SignedDistance> Judge<'_, D> {
     ) -> Targets {
         let mut targets = Targets { values: [0.0; PROBES.len()], weights: [1.0; PROBES.len()] };
         for (at, key) in self.lattice.probes(cell).into_iter().enumerate() {
-            let weight: f64 = WEIGHTS[at].iter().zip(weights).map(|(n, w)| n * w).sum();
             let phi = SHAPES[at].iter().zip(distance).map(|(n, phi)| n * phi).sum();
-            let plane = if weight == 0.0 { 0.0 } else { weight * self.wall.volume(phi) };
-            targets.values[at] = known.volume.at(key) - plane;
+            targets.values[at] = known.volume.at(key) - self.of_wall(part_of(&WEIGHTS[at], weights), phi);
             if !self.counts(known.distance.at(key)) {
                 targets.weights[at] = REST;
             }
@@ -247,15 +246,15 @@ impl<D: SignedDistance> Judge<'_, D> {
         targets
     }
 
-    /// Error of the normal at a midpoint as a part of the tolerance; 0 if that isn't asked for, or at a kink.
-    fn normal_error(&self, cell: LevelCell, midpoint: usize, fields: &CellFields) -> f64 {
+    /// Error of the normal at a probe as a part of the tolerance; 0 if that isn't asked for, or at a kink.
+    fn normal_error(&self, cell: LevelCell, probe: usize, fields: &CellFields) -> f64 {
         let Some(tolerance) = self.tolerances.normal else { return 0.0 };
         if self.lattice.cell_size(cell.level).max_element() <= NORMALS_DOWN_TO * self.radius {
             return 0.0;
         }
-        let place = self.lattice.position(self.lattice.probes(cell)[midpoint]);
+        let place = self.lattice.position(self.lattice.probes(cell)[probe]);
         let Some(exact) = exact_normal(self.phi, place, self.radius) else { return 0.0 };
-        let (_, slopes) = shape_and_gradient(reference_place(midpoint));
+        let (_, slopes) = shape_and_gradient(probe_place(probe));
         let gradient: DVec3 = slopes.iter().zip(&fields.distance).map(|(slope, phi)| *slope * *phi).sum();
         exact.angle_between(gradient / self.lattice.cell_size(cell.level)) / tolerance
     }
@@ -282,21 +281,20 @@ pub struct Errors {
 }
 
 impl Errors {
-    /// Whether none is larger than a part of its tolerance.
-    pub fn are_below(&self, part: f64) -> bool {
-        self.volume <= part && self.surface <= part
+    /// The larger one.
+    pub fn largest(&self) -> f64 {
+        self.volume.max(self.surface)
     }
 }
 
-/// A midpoint's reference coordinates.
-fn reference_place(midpoint: usize) -> DVec3 {
-    probe_place(PROBES[midpoint])
-}
-
-/// Shape functions, and trilinear weights of the corners, at the midpoints.
-pub static SHAPES: LazyLock<[[f64; NODES]; PROBES.len()]> = LazyLock::new(shapes_at_probes);
+/// Trilinear weights of the corners at the probes.
 static WEIGHTS: LazyLock<[[f64; 8]; PROBES.len()]> =
-    LazyLock::new(|| std::array::from_fn(|midpoint| trilinear(reference_place(midpoint))));
+    LazyLock::new(|| std::array::from_fn(|probe| trilinear(probe_place(probe))));
+
+/// The trilinear value of these corners.
+pub fn part_of(parts: &[f64; 8], corners: &[f64; 8]) -> f64 {
+    parts.iter().zip(corners).map(|(n, w)| n * w).sum()
+}
 
 /// The parts that the corners' values have in the trilinear value at a place in [-1, 1]^3.
 pub fn trilinear(xi: DVec3) -> [f64; 8] {
@@ -318,8 +316,7 @@ impl CellTree {
                 found.extend(self.larger_neighbours(*cell, resolution));
             }
             if !found.is_empty() {
-                found.sort_unstable_by_key(|cell| (cell.level, cell.at.z, cell.at.y, cell.at.x));
-                found.dedup();
+                LevelCell::sort(&mut found);
                 return found;
             }
         }

@@ -4,23 +4,23 @@
 //! Each leaf has the cubic Serendipity polynomial through its own 32 samples. Leaves of different size needn't agree at
 //! their faces: the error is bounded in each, and nothing but integrals looks at it.
 
-use super::lattice::{CENTRE, FineLattice, LevelCell, PROBES};
+use super::lattice::{FineLattice, LevelCell, PROBES, SHAPES, indices};
 use super::samples::Samples;
 use crate::sdf::SignedDistance;
 use crate::volume_map::kernel::Content;
 use crate::volume_map::window::monomials_of_nodes;
 use crate::watch::{Cancelled, Work};
-use glam::{DVec3, UVec3};
+use glam::UVec3;
 use rayon::prelude::*;
 use volmap_formats::asset::Exterior;
-use volmap_runtime::layout::serendipity::{NODES, shape};
+use volmap_runtime::layout::serendipity::NODES;
 
 /// What the tree must be good for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TreeSettings {
     /// Support radius r, metres.
     pub radius: f64,
-    /// Largest error of Phi at a leaf's midpoints, metres.
+    /// Mean error of Phi at a leaf's probes, metres; more in leaves smaller than r.
     pub tolerance: f64,
     /// What lies beyond the grid.
     pub exterior: Exterior,
@@ -73,7 +73,7 @@ enum Slot {
 }
 
 impl DistanceTree {
-    /// Splits the cells of the lattice's grid until their polynomials are exact enough, or of its finest level.
+    /// Splits the cells of the lattice's grid until their polynomials are exact enough or they are of its finest level.
     ///
     /// # Errors
     /// [`Cancelled`].
@@ -92,12 +92,8 @@ impl DistanceTree {
             blocks: Vec::new(),
             polynomials: Vec::new(),
         };
-        let at = |number: usize| {
-            let (number, [x, y]) = (number as u32, [n.x, n.y]);
-            UVec3::new(number % x, number / x % y, number / x / y)
-        };
-        let root = |number| (Slot::Root(number), LevelCell { level: 0, at: at(number) });
-        let mut cells: Vec<_> = (0..tree.roots.len()).map(root).collect();
+        let root = |(number, at)| (Slot::Root(number), LevelCell { level: 0, at });
+        let mut cells: Vec<_> = indices(n).enumerate().map(root).collect();
         while !cells.is_empty() {
             cells = tree.level(&cells, settings, phi, samples, work)?;
         }
@@ -114,52 +110,43 @@ impl DistanceTree {
         work: &Work,
     ) -> Result<Vec<(Slot, LevelCell)>, Cancelled> {
         let lattice = self.lattice;
-        let center = |cell: LevelCell| lattice.probes(cell)[CENTRE];
-        samples.ask_distance(cells.par_iter().map(|(_, cell)| center(*cell)), &lattice, phi, work)?;
-        let known = |cell: LevelCell| {
-            let reach = 0.5 * lattice.cell_size(cell.level).length() * (1.0 + 1e-9);
-            let phi = samples.at(center(cell));
-            match phi {
-                _ if phi - reach >= settings.radius => Entry::ZERO,
-                _ if phi + reach <= 0.0 => Entry::ONE,
-                _ => Entry::mixed(0),
-            }
-        };
+        let centers = cells.par_iter().map(|(_, cell)| lattice.center_key(*cell));
+        samples.ask_distance(centers, &lattice, phi, work)?;
         let mut open = Vec::new();
         for &(slot, cell) in cells {
-            match known(cell) {
-                entry @ (Entry::ZERO | Entry::ONE) => self.set(slot, entry),
+            let (phi, reach) = (samples.at(lattice.center_key(cell)), lattice.reach(cell.level));
+            match phi {
+                _ if phi - reach >= settings.radius => self.set(slot, Entry::ZERO),
+                _ if phi + reach <= 0.0 => self.set(slot, Entry::ONE),
                 _ => open.push((slot, cell)),
             }
         }
-        let points = open
-            .par_iter()
-            .flat_map_iter(|(_, cell)| lattice.nodes(*cell).into_iter().chain(lattice.probes(*cell)));
-        samples.ask_distance(points, &lattice, phi, work)?;
-        let last = cells[0].1.level == lattice.finest();
-        let decided: Vec<Option<[f64; NODES]>> = open
-            .par_iter()
-            .map(|(_, cell)| {
-                let nodes = lattice.nodes(*cell).map(|key| samples.at(key));
-                let exact = lattice.probes(*cell).map(|key| samples.at(key));
-                let margin = 0.5 * lattice.cell_size(cell.level).max_element();
-                let good = last || is_good(&nodes, &exact, margin, settings);
-                good.then(|| monomials_of_nodes(&nodes, 1.0 / settings.radius))
-            })
-            .collect();
+        let of_cell =
+            |(_, cell): &(_, LevelCell)| lattice.nodes(*cell).into_iter().chain(lattice.probes(*cell));
+        samples.ask_distance(open.par_iter().flat_map_iter(of_cell), &lattice, phi, work)?;
+        let polynomials: Vec<Option<[f64; NODES]>> =
+            open.par_iter().map(|(_, cell)| polynomial(*cell, &lattice, settings, samples)).collect();
         let mut split = Vec::new();
-        for ((slot, cell), polynomial) in open.into_iter().zip(decided) {
-            if let Some(polynomial) = polynomial {
-                self.set(slot, Entry::mixed(self.polynomials.len()));
-                self.polynomials.push(polynomial);
-                continue;
+        for ((slot, cell), polynomial) in open.into_iter().zip(polynomials) {
+            match polynomial {
+                Some(polynomial) => self.add_leaf(slot, polynomial),
+                None => split.extend(self.split(slot).zip(cell.children())),
             }
-            let block = self.blocks.len();
-            self.set(slot, Entry::block(block));
-            self.blocks.push([Entry::ZERO; 8]);
-            split.extend((0..8).map(|n| Slot::Child(block, n)).zip(cell.children()));
         }
         Ok(split)
+    }
+
+    fn add_leaf(&mut self, slot: Slot, polynomial: [f64; NODES]) {
+        self.set(slot, Entry::mixed(self.polynomials.len()));
+        self.polynomials.push(polynomial);
+    }
+
+    /// Splits a cell; returns where the entries of its children stand.
+    fn split(&mut self, slot: Slot) -> impl Iterator<Item = Slot> + use<> {
+        let block = self.blocks.len();
+        self.set(slot, Entry::block(block));
+        self.blocks.push([Entry::ZERO; 8]);
+        (0..8).map(move |n| Slot::Child(block, n))
     }
 
     fn set(&mut self, slot: Slot, entry: Entry) {
@@ -169,7 +156,7 @@ impl DistanceTree {
         }
     }
 
-    /// The leaf at a place in units of the finest cells (multiplied out by the caller), which is in the grid.
+    /// The leaf that holds one of the finest cells.
     #[inline(always)]
     pub(super) fn leaf(&self, at: UVec3) -> Leaf {
         let finest = self.lattice.finest();
@@ -191,20 +178,23 @@ impl DistanceTree {
     }
 }
 
-/// Reference coordinates of a place in quarters of a cell's edges.
-pub(super) fn probe_place(quarter: [u8; 3]) -> DVec3 {
-    DVec3::from(quarter.map(|n| 0.5 * f64::from(n) - 1.0))
+/// The polynomial of s = 1 - Phi / r through a cell's nodes, if it is exact enough or the cell of the finest level.
+fn polynomial(
+    cell: LevelCell,
+    lattice: &FineLattice,
+    settings: &TreeSettings,
+    samples: &Samples,
+) -> Option<[f64; NODES]> {
+    let nodes = lattice.nodes(cell).map(|key| samples.at(key));
+    let exact = lattice.probes(cell).map(|key| samples.at(key));
+    let margin = 0.5 * lattice.cell_size(cell.level).max_element();
+    let good = cell.level == lattice.finest() || is_good(&nodes, &exact, margin, settings);
+    good.then(|| monomials_of_nodes(&nodes, 1.0 / settings.radius))
 }
 
-/// The 32 shape functions at the midpoints.
-pub(super) fn shapes_at_probes() -> [[f64; NODES]; PROBES.len()] {
-    PROBES.map(|quarter| shape(probe_place(quarter)))
-}
-
-/// Whether the polynomial is exact enough at the midpoints at which the extension function asks for Phi.
+/// Whether the polynomial is exact enough at the probes at which the extension function asks for Phi, or half a cell
+/// (`margin`, metres) beyond.
 fn is_good(nodes: &[f64; NODES], exact: &[f64; PROBES.len()], margin: f64, settings: &TreeSettings) -> bool {
-    use std::sync::LazyLock;
-    static SHAPES: LazyLock<[[f64; NODES]; PROBES.len()]> = LazyLock::new(shapes_at_probes);
     let range = -margin..settings.radius + margin;
     let (mut sum, mut count) = (0.0, 0.0f64);
     for (shape, exact) in SHAPES.iter().zip(exact).filter(|(_, exact)| range.contains(exact)) {

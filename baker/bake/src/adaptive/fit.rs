@@ -1,4 +1,4 @@
-//! The stored volume as the least-squares fit to all that is known of it: at nodes, constrained ones too, and midpoints.
+//! The stored volume as the least-squares fit to all that is known of it: at nodes, constrained ones too, and probes.
 //!
 //! A cubic through the nodes misses by most in the middle of a cell, and always to one side; the best cubic misses by half
 //! of that. And the traces of coarse cells, which finer neighbours take over, are those that suit both.
@@ -6,7 +6,7 @@
 //! Conjugate gradients on the normal equations (Bjorck and Elfving 1979, CGLS), from the values at the nodes on: few steps
 //! suffice, for every number has its say near by only.
 
-use super::lattice::PROBES;
+use super::lattice::{PROBES, SHAPES};
 use rayon::prelude::*;
 use volmap_runtime::layout::Levels;
 use volmap_runtime::layout::serendipity::NODES;
@@ -14,7 +14,7 @@ use volmap_runtime::layout::serendipity::NODES;
 /// Steps of conjugate gradients.
 const STEPS: usize = 8;
 
-/// What is known at a cell's midpoints.
+/// What is known at a cell's probes.
 #[derive(Clone, Copy, Debug)]
 pub struct Targets {
     /// The number that the fit should have there.
@@ -35,13 +35,11 @@ pub struct Fit<'a> {
     pub at_nodes: &'a [f64],
     /// How much they count.
     pub node_weights: &'a [f64],
-    /// The shape functions at the midpoints.
-    pub shapes: &'a [[f64; NODES]; PROBES.len()],
 }
 
-/// Weighted differences at midpoints and nodes.
+/// Weighted differences at probes and nodes.
 struct Differences {
-    midpoints: Vec<[f64; PROBES.len()]>,
+    probes: Vec<[f64; PROBES.len()]>,
     nodes: Vec<f64>,
 }
 
@@ -73,7 +71,7 @@ impl Fit<'_> {
     /// W (b - A x).
     fn missing(&self, x: &[f64]) -> Differences {
         let mut out = self.applied(x);
-        let targets = out.midpoints.par_iter_mut().zip(self.targets);
+        let targets = out.probes.par_iter_mut().zip(self.targets);
         targets.for_each(|(own, targets)| {
             for (own, (value, weight)) in own.iter_mut().zip(targets.values.iter().zip(&targets.weights)) {
                 *own = weight * value - *own;
@@ -86,33 +84,34 @@ impl Fit<'_> {
 
     /// W A x.
     fn applied(&self, x: &[f64]) -> Differences {
-        let all = self.layout.complete(x);
+        let (all, shapes) = (self.layout.complete(x), &*SHAPES);
         let of_cell = |(nodes, targets): (&[u32; NODES], &Targets)| {
             let values = nodes.map(|node| all[node as usize]);
             let value = |n: usize| {
-                let sum: f64 = self.shapes[n].iter().zip(&values).map(|(n, v)| n * v).sum();
+                let sum: f64 = shapes[n].iter().zip(&values).map(|(n, v)| n * v).sum();
                 targets.weights[n] * sum
             };
             std::array::from_fn(value)
         };
-        let midpoints = self.cells.par_iter().zip(self.targets).map(of_cell).collect();
+        let probes = self.cells.par_iter().zip(self.targets).map(of_cell).collect();
         let nodes = all.iter().zip(self.node_weights).map(|(value, weight)| weight * value).collect();
-        Differences { midpoints, nodes }
+        Differences { probes, nodes }
     }
 
     /// (W A)^T times differences.
     fn shared_out(&self, of: &Differences) -> Vec<f64> {
         let mut all: Vec<f64> =
             of.nodes.iter().zip(self.node_weights).map(|(d, weight)| weight * d).collect();
+        let shapes = &*SHAPES;
         let of_cell = |(targets, own): (&Targets, &[f64; PROBES.len()])| {
             let mut sums = [0.0; NODES];
             for (n, own) in own.iter().enumerate() {
                 let own = targets.weights[n] * own;
-                sums.iter_mut().zip(&self.shapes[n]).for_each(|(sum, n)| *sum += n * own);
+                sums.iter_mut().zip(&shapes[n]).for_each(|(sum, n)| *sum += n * own);
             }
             sums
         };
-        let sums: Vec<[f64; NODES]> = self.targets.par_iter().zip(&of.midpoints).map(of_cell).collect();
+        let sums: Vec<[f64; NODES]> = self.targets.par_iter().zip(&of.probes).map(of_cell).collect();
         for (nodes, sums) in self.cells.iter().zip(&sums) {
             nodes.iter().zip(sums).for_each(|(node, sum)| all[*node as usize] += sum);
         }
@@ -122,13 +121,13 @@ impl Fit<'_> {
 
 impl Differences {
     fn square(&self) -> f64 {
-        let midpoints: f64 = self.midpoints.iter().flatten().map(|x| x * x).sum();
-        midpoints + square(&self.nodes)
+        let probes: f64 = self.probes.iter().flatten().map(|x| x * x).sum();
+        probes + square(&self.nodes)
     }
 
     fn subtract(&mut self, factor: f64, other: &Differences) {
-        let midpoints = self.midpoints.iter_mut().flatten().zip(other.midpoints.iter().flatten());
-        midpoints.for_each(|(own, other)| *own -= factor * other);
+        let probes = self.probes.iter_mut().flatten().zip(other.probes.iter().flatten());
+        probes.for_each(|(own, other)| *own -= factor * other);
         self.nodes.iter_mut().zip(&other.nodes).for_each(|(own, other)| *own -= factor * other);
     }
 }

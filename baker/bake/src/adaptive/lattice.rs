@@ -1,8 +1,9 @@
 //! The fine lattice on which all nodes and test points of all levels lie, as integers: their keys are exact.
 
 use glam::{DVec3, UVec3};
+use std::sync::LazyLock;
 use volmap_runtime::Grid;
-use volmap_runtime::layout::serendipity::{NODES, THIRDS};
+use volmap_runtime::layout::serendipity::{NODES, THIRDS, shape};
 
 /// Bits of a coordinate in a key.
 const BITS: u32 = 21;
@@ -49,8 +50,20 @@ pub const PROBES: [[u8; 3]; 27] = {
     points
 };
 
-/// The cell's own midpoint among them.
-pub const CENTRE: usize = 9;
+/// The 32 shape functions at the probes.
+pub static SHAPES: LazyLock<[[f64; NODES]; PROBES.len()]> =
+    LazyLock::new(|| std::array::from_fn(|probe| shape(probe_place(probe))));
+
+/// Reference coordinates of a probe.
+pub fn probe_place(probe: usize) -> DVec3 {
+    DVec3::from(PROBES[probe].map(|quarter| 0.5 * f64::from(quarter) - 1.0))
+}
+
+/// The cells of a grid, x fastest.
+pub fn indices(resolution: UVec3) -> impl Iterator<Item = UVec3> {
+    let [x, y, z] = resolution.to_array();
+    (0..z).flat_map(move |k| (0..y).flat_map(move |j| (0..x).map(move |i| UVec3::new(i, j, k))))
+}
 
 impl FineLattice {
     /// For levels 0 ..= `finest` of cells over a grid; none where the keys' bits don't suffice.
@@ -73,6 +86,17 @@ impl FineLattice {
     /// Edges of the cells of a level, metres.
     pub fn cell_size(&self, level: u32) -> DVec3 {
         self.grid.cell_size / f64::from(1 << level)
+    }
+
+    /// From a cell's centre to its corners, metres, and a little more for rounding: Phi, which is 1-Lipschitz, changes by
+    /// no more in the cell.
+    pub fn reach(&self, level: u32) -> f64 {
+        0.5 * self.cell_size(level).length() * (1.0 + 1e-9)
+    }
+
+    /// A cell's midpoint.
+    pub fn center_key(&self, cell: LevelCell) -> Key {
+        Key::new((3 << (self.finest - cell.level)) * (4 * cell.at + 2))
     }
 
     /// A cell's centre, metres.
@@ -104,6 +128,12 @@ impl FineLattice {
 }
 
 impl LevelCell {
+    /// Puts cells in an order that doesn't depend on threads, each once.
+    pub fn sort(cells: &mut Vec<LevelCell>) {
+        cells.sort_unstable_by_key(|cell| (cell.level, cell.at.z, cell.at.y, cell.at.x));
+        cells.dedup();
+    }
+
     /// The eight cells that it is split into, x fastest.
     pub fn children(self) -> [LevelCell; 8] {
         std::array::from_fn(|n| LevelCell {
@@ -170,8 +200,8 @@ mod tests {
         assert_eq!(child.parent(), cell);
         assert_eq!(lattice.nodes(child)[0], lattice.nodes(cell)[0]);
         // The upper corner of the first child is the cell's midpoint; the last child's midpoint is the last probe.
-        assert_eq!(lattice.nodes(child)[7], lattice.probes(cell)[CENTRE]);
-        assert_eq!(lattice.probes(cell.children()[7])[CENTRE], lattice.probes(cell)[26]);
+        assert_eq!(lattice.nodes(child)[7], lattice.center_key(cell));
+        assert_eq!(lattice.center_key(cell.children()[7]), lattice.probes(cell)[26]);
         assert_eq!(lattice.position(lattice.nodes(child)[7]), lattice.center(cell));
         assert_eq!(lattice.key_at(lattice.center(cell)), lattice.nodes(child)[7]);
     }

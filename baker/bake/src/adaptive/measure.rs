@@ -29,44 +29,86 @@ pub struct MapErrors {
     pub normal: MeasuredError,
 }
 
-/// What errors are measured by.
+/// What errors are measured by: all that doesn't depend on the map.
 pub(super) struct Reference<'a, D> {
-    pub phi: &'a D,
-    pub radius: f64,
-    pub rule: Rule,
-    /// A finer rule on the tree: tells where to look.
-    pub estimate: &'a TreeIntegrator<'a>,
-    /// In the fluid near the surface.
-    pub points: &'a [DVec3],
+    phi: &'a D,
+    radius: f64,
+    rule: Rule,
+    points: Vec<Place>,
 }
 
-impl<D: SignedDistance> Reference<'_, D> {
+/// A point in the fluid near the surface, and what is there.
+struct Place {
+    at: DVec3,
+    /// Phi, metres.
+    distance: f64,
+    /// Within a support radius of the surface, where that has one.
+    normal: Option<DVec3>,
+    /// V on the tree, m^3: tells where to look.
+    estimate: f64,
+    /// V on the exact distance, m^3, if it was integrated.
+    exact: Option<f64>,
+}
+
+impl<'a, D: SignedDistance> Reference<'a, D> {
+    /// At these points; `estimate` is by the same rule.
+    pub fn new(
+        phi: &'a D,
+        radius: f64,
+        rule: Rule,
+        estimate: &TreeIntegrator,
+        points: &[DVec3],
+    ) -> Reference<'a, D> {
+        let place = |&at: &DVec3| {
+            let distance = phi.at(at);
+            let normal = if distance <= radius { exact_normal(phi, at, radius) } else { None };
+            Place { at, distance, normal, estimate: estimate.volume(at), exact: None }
+        };
+        Reference { phi, radius, rule, points: points.par_iter().map(place).collect() }
+    }
+
     /// Measures a map: its errors, and the points at which one of them is larger than its tolerance.
     ///
     /// # Errors
     /// Cancelled.
     pub fn errors(
-        &self,
+        &mut self,
         map: &VolumeMap,
         tolerances: &Tolerances,
         work: &Work,
     ) -> Result<(MapErrors, Vec<DVec3>), Error> {
         let ball = 4.0 / 3.0 * std::f64::consts::PI * self.radius.powi(3);
-        let looks = |x: &DVec3| (map.values(*x).volume - self.estimate.volume(*x)).abs();
-        let mut order: Vec<(f64, usize)> =
-            self.points.par_iter().enumerate().skip(POINTS).map(|(n, x)| (looks(x), n)).collect();
-        order.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-        let worst = order.iter().take(POINTS).map(|(_, n)| self.points[*n]);
         let random = self.points.len().min(POINTS);
-        let points: Vec<DVec3> = self.points[..random].iter().copied().chain(worst).collect();
-        let exact = integrals(self.phi, &along_curve(self.rule.points()), self.radius, &points, work)?;
-        let errors: Vec<f64> =
-            points.iter().zip(exact).map(|(x, exact)| (map.values(*x).volume - exact).abs() / ball).collect();
-        let volume = MeasuredError { points: points.len(), ..MeasuredError::of(&errors, &errors[..random]) };
-        let missed = points.iter().zip(&errors).filter(|(_, error)| **error > SPARE * tolerances.volume);
-        let mut missed: Vec<DVec3> = missed.map(|(x, _)| *x).collect();
+        let measured: Vec<usize> = (0..random).chain(self.worst(map)).collect();
+        self.integrate(&measured, work)?;
+        let error = |&n: &usize| {
+            let Place { at, exact, .. } = &self.points[n];
+            exact.map_or(0.0, |exact| (map.values(*at).volume - exact).abs() / ball)
+        };
+        let errors: Vec<f64> = measured.iter().map(error).collect();
+        let volume = MeasuredError::of(&errors, &errors[..random]);
+        let missed = measured.iter().zip(&errors).filter(|(_, error)| **error > SPARE * tolerances.volume);
+        let mut missed: Vec<DVec3> = missed.map(|(n, _)| self.points[*n].at).collect();
         let (distance, normal) = self.of_surface(map, tolerances, &mut missed);
         Ok((MapErrors { volume, distance, normal }, missed))
+    }
+
+    /// Points but the first where the volume looks most wrong.
+    fn worst(&self, map: &VolumeMap) -> impl Iterator<Item = usize> + use<D> {
+        let looks = |(n, place): (usize, &Place)| ((map.values(place.at).volume - place.estimate).abs(), n);
+        let mut order: Vec<(f64, usize)> =
+            self.points.par_iter().enumerate().skip(POINTS).map(looks).collect();
+        order.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        order.into_iter().take(POINTS).map(|(_, n)| n)
+    }
+
+    /// Makes the exact volume known at points.
+    fn integrate(&mut self, which: &[usize], work: &Work) -> Result<(), Error> {
+        let open: Vec<usize> = which.iter().copied().filter(|n| self.points[*n].exact.is_none()).collect();
+        let places: Vec<DVec3> = open.iter().map(|n| self.points[*n].at).collect();
+        let exact = integrals(self.phi, &along_curve(self.rule.points()), self.radius, &places, work)?;
+        open.into_iter().zip(exact).for_each(|(n, exact)| self.points[n].exact = Some(exact));
+        Ok(())
     }
 
     /// Of distance and normal.
@@ -76,11 +118,11 @@ impl<D: SignedDistance> Reference<'_, D> {
         tolerances: &Tolerances,
         missed: &mut Vec<DVec3>,
     ) -> (MeasuredError, MeasuredError) {
-        let error = |x: &DVec3| {
-            let exact = self.phi.at(*x);
-            let near = map.sample(*x).near()?;
-            let of_distance = (near.distance - exact).abs() / self.radius;
-            (exact <= self.radius).then(|| (*x, of_distance, self.normal_error(*x, near.normal)))
+        let error = |place: &Place| {
+            let near = map.sample(place.at).near()?;
+            let of_distance = (near.distance - place.distance).abs() / self.radius;
+            let of_normal = place.normal.map(|normal| normal.angle_between(near.normal));
+            (place.distance <= self.radius).then_some((place.at, of_distance, of_normal))
         };
         let found: Vec<(DVec3, f64, Option<f64>)> = self.points.par_iter().filter_map(error).collect();
         let is_missed = |(_, distance, normal): &&(DVec3, f64, Option<f64>)| {
@@ -93,11 +135,6 @@ impl<D: SignedDistance> Reference<'_, D> {
         normals.sort_by(f64::total_cmp);
         normals.truncate(normals.len() * 99 / 100);
         (MeasuredError::of(&distances, &distances), MeasuredError::of(&normals, &normals))
-    }
-
-    /// The angle between a direction and the exact normal, radians; none where the distance has a kink.
-    fn normal_error(&self, x: DVec3, direction: DVec3) -> Option<f64> {
-        exact_normal(self.phi, x, self.radius).map(|normal| normal.angle_between(direction))
     }
 }
 

@@ -1,7 +1,7 @@
 //! From the tree of cells to a map: nodes numbered, corners weighted, errors measured once more with all constraints in
 //! place, and cells split until none is left that can be.
 
-use super::cells::{CellFields, CellTree, Judge, Known, REST, SHAPES, State, Wish, trilinear};
+use super::cells::{CellFields, CellTree, Judge, Known, REST, State, Wish, part_of, trilinear};
 use super::fit::{Fit, Targets};
 use super::lattice::{Key, LevelCell};
 use crate::error::Error;
@@ -41,6 +41,21 @@ impl Settled {
     }
 }
 
+/// Cells whose nodes are numbered, and what is known at them all.
+struct Numbered {
+    levels: Vec<LevelCells>,
+    layout: Levels,
+    /// The band's, each with its place in the tree.
+    cells: Vec<(LevelCell, LayoutCell)>,
+    /// w at the free corners, and at those of each cell.
+    weights: Vec<u32>,
+    corners: CornerWeights,
+    /// Phi at all nodes, metres.
+    distance: Vec<f64>,
+    /// The stored volume at all nodes, exactly, m^3.
+    difference: Vec<f64>,
+}
+
 impl<D: SignedDistance> Judge<'_, D> {
     /// Balances the cells, and splits those whose errors in place are too large, until all are good or of the finest
     /// level.
@@ -50,12 +65,13 @@ impl<D: SignedDistance> Judge<'_, D> {
     pub fn settle(&self, tree: &mut CellTree, known: &mut Known, plan: &Plan) -> Result<Settled, Error> {
         for round in 1.. {
             self.balance(tree, known)?;
-            let mut settled = self.numbered(tree, known, plan)?;
-            let failing = self.failing(self.in_place, &settled, known, plan.margin);
+            let numbered = self.numbered(tree, known, plan)?;
+            let volume = self.fitted(&numbered, known);
+            let failing = self.failing(&numbered, &volume, known);
             let split = self.causes(&failing, tree);
             if split.is_empty() || round == ROUNDS {
-                settled.left = self.failing(1.0, &settled, known, plan.margin);
-                return Ok(settled);
+                let left = failing.iter().filter(|(_, error)| *error > 1.0).map(|(cell, _)| *cell).collect();
+                return Ok(numbered.settled(volume, left));
             }
             self.split(split, tree, known)?;
         }
@@ -63,16 +79,16 @@ impl<D: SignedDistance> Judge<'_, D> {
     }
 
     /// What to split: a cell that is good by itself fails by the traces of the larger ones that it touches.
-    fn causes(&self, failing: &[LevelCell], tree: &CellTree) -> Vec<LevelCell> {
+    fn causes(&self, failing: &[(LevelCell, f64)], tree: &CellTree) -> Vec<LevelCell> {
         let mut causes = Vec::new();
-        for &cell in failing {
+        for &(cell, _) in failing {
             let before = causes.len();
             causes.extend(tree.larger_neighbours(cell, self.lattice.grid().resolution));
             if causes.len() == before && cell.level < self.lattice.finest() {
                 causes.push(cell);
             }
         }
-        sort(&mut causes);
+        LevelCell::sort(&mut causes);
         causes
     }
 
@@ -93,7 +109,7 @@ impl<D: SignedDistance> Judge<'_, D> {
             .filter_map(|x| tree.holder(grid.locate(*x)?.cell, (*x - grid.origin) / grid.cell_size))
             .filter(|cell| cell.level < self.lattice.finest())
             .collect();
-        sort(&mut cells);
+        LevelCell::sort(&mut cells);
         self.split(cells, tree, known)?;
         self.settle(tree, known, plan)
     }
@@ -117,109 +133,87 @@ impl<D: SignedDistance> Judge<'_, D> {
     }
 
     /// Numbers the nodes, and takes their values.
-    fn numbered(&self, tree: &CellTree, known: &Known, plan: &Plan) -> Result<Settled, Error> {
+    fn numbered(&self, tree: &CellTree, known: &Known, plan: &Plan) -> Result<Numbered, Error> {
         let levels = tree.levels(self.lattice.finest(), plan.margin);
         let layout = Levels::new(plan.grid, &levels)
             .map_err(|error| Error::setting("tolerance", error.to_string()))?;
-        let keys: Vec<Key> = layout.positions().into_iter().map(|place| self.lattice.key_at(place)).collect();
-        let weights = self.weights(tree, &layout, plan.margin);
-        let at_nodes = weights_at_nodes(&layout, &weights);
-        let distance: Vec<f64> = layout.free().map(|node| known.distance.at(keys[node as usize])).collect();
-        let all = layout.complete(&distance);
-        let difference = |(node, key): (usize, &Key)| {
-            let plane =
-                if at_nodes[node] == 0.0 { 0.0 } else { at_nodes[node] * self.wall.volume(all[node]) };
-            known.volume.at(*key) - plane
+        let in_tree = |cell: LayoutCell| {
+            (LevelCell { level: cell.level, at: cell.index + (plan.margin << cell.level) }, cell)
         };
-        let differences: Vec<f64> = keys.par_iter().enumerate().map(difference).collect();
-        let volume = self.fitted(&layout, &all, &differences, &weights, known, plan.margin);
-        Ok(Settled { levels, layout, distance, volume, weights, left: Vec::new() })
+        let cells: Vec<(LevelCell, LayoutCell)> = layout.cells().map(in_tree).collect();
+        let weights = weights(tree, &layout, &cells);
+        let corners = layout.complete_weights(&weights);
+        let keys: Vec<Key> = layout.positions().into_iter().map(|place| self.lattice.key_at(place)).collect();
+        let free: Vec<f64> = layout.free().map(|node| known.distance.at(keys[node as usize])).collect();
+        let distance = layout.complete(&free);
+        let at_nodes = weights_at_nodes(layout.count(), &cells, &corners);
+        let of_node =
+            |(node, key): (usize, &Key)| known.volume.at(*key) - self.of_wall(at_nodes[node], distance[node]);
+        let difference = keys.par_iter().enumerate().map(of_node).collect();
+        Ok(Numbered { levels, layout, cells, weights, corners, distance, difference })
     }
 
-    /// The stored volume that fits best: `differences` are its exact values at all nodes, where Phi is `distance`.
-    fn fitted(
-        &self,
-        layout: &Levels,
-        distance: &[f64],
-        differences: &[f64],
-        weights: &[u32],
-        known: &Known,
-        margin: UVec3,
-    ) -> Vec<f64> {
-        let corners = layout.complete_weights(weights);
-        let cells: Vec<LayoutCell> = layout.cells().collect();
-        let targets = |cell: &LayoutCell| {
-            let own = LevelCell { level: cell.level, at: cell.index + (margin << cell.level) };
-            self.targets(
-                own,
-                &cell.nodes.map(|node| distance[node as usize]),
-                &of_cell(&corners, cell.number),
-                known,
-            )
+    /// The stored volume at the free nodes that fits best.
+    fn fitted(&self, of: &Numbered, known: &Known) -> Vec<f64> {
+        let targets = |(own, cell): &(LevelCell, LayoutCell)| {
+            let distance = cell.nodes.map(|node| of.distance[node as usize]);
+            self.targets(*own, &distance, &of.corners.of(cell.number), known)
         };
-        let targets: Vec<Targets> = cells.par_iter().map(targets).collect();
-        let nodes: Vec<[u32; NODES]> = cells.iter().map(|cell| cell.nodes).collect();
+        let targets: Vec<Targets> = of.cells.par_iter().map(targets).collect();
+        let cells: Vec<[u32; NODES]> = of.cells.iter().map(|(_, cell)| cell.nodes).collect();
         let node_weights: Vec<f64> =
-            distance.iter().map(|&phi| if self.counts(phi) { 1.0 } else { REST }).collect();
+            of.distance.iter().map(|&phi| if self.counts(phi) { 1.0 } else { REST }).collect();
         let fit = Fit {
-            layout,
-            cells: &nodes,
+            layout: &of.layout,
+            cells: &cells,
             targets: &targets,
-            at_nodes: differences,
+            at_nodes: &of.difference,
             node_weights: &node_weights,
-            shapes: &SHAPES,
         };
         fit.solve()
     }
 
-    /// A corner has the plain form if a cell needs that there, and the other elsewhere.
-    fn weights(&self, tree: &CellTree, layout: &Levels, margin: UVec3) -> Vec<u32> {
-        let mut is_plain = vec![false; layout.count()];
-        for cell in layout.cells() {
-            let own = LevelCell { level: cell.level, at: cell.index + (margin << cell.level) };
-            if tree.cells[&own] == State::Band(Wish::Plain) {
-                cell.nodes[..8].iter().for_each(|&corner| is_plain[corner as usize] = true);
-            }
-        }
-        layout.free_corners().map(|corner| u32::from(!is_plain[corner as usize])).collect()
-    }
-
-    /// Cells whose errors are too large, with all constraints in place.
-    fn failing(&self, part: f64, settled: &Settled, known: &Known, margin: UVec3) -> Vec<LevelCell> {
-        let layout = &settled.layout;
-        let (distance, volume) = (layout.complete(&settled.distance), layout.complete(&settled.volume));
-        let weights = layout.complete_weights(&settled.weights);
-        let cells: Vec<_> = layout.cells().collect();
-        let is_failing = |cell: &LayoutCell| {
-            let of = |values: &[f64]| cell.nodes.map(|node| values[node as usize]);
-            let weights = of_cell(&weights, cell.number);
-            let fields = CellFields { distance: of(&distance), volume: of(&volume), weights };
-            let own = LevelCell { level: cell.level, at: cell.index + (margin << cell.level) };
-            (!self.errors(own, &fields, known).are_below(part)).then_some(own)
+    /// Cells whose errors are too large, with all constraints in place, and the largest as a part of its tolerance.
+    fn failing(&self, of: &Numbered, volume: &[f64], known: &Known) -> Vec<(LevelCell, f64)> {
+        let volume = of.layout.complete(volume);
+        let failing = |(own, cell): &(LevelCell, LayoutCell)| {
+            let at_nodes = |values: &[f64]| cell.nodes.map(|node| values[node as usize]);
+            let weights = of.corners.of(cell.number);
+            let fields = CellFields { distance: at_nodes(&of.distance), volume: at_nodes(&volume), weights };
+            let error = self.errors(*own, &fields, known).largest();
+            (error > self.in_place).then_some((*own, error))
         };
-        cells.par_iter().filter_map(is_failing).collect()
+        of.cells.par_iter().filter_map(failing).collect()
     }
 }
 
-/// In an order that doesn't depend on threads, each once.
-fn sort(cells: &mut Vec<LevelCell>) {
-    cells.sort_unstable_by_key(|cell| (cell.level, cell.at.z, cell.at.y, cell.at.x));
-    cells.dedup();
+impl Numbered {
+    fn settled(self, volume: Vec<f64>, left: Vec<LevelCell>) -> Settled {
+        let Numbered { levels, layout, weights, distance, .. } = self;
+        let distance = layout.free().map(|node| distance[node as usize]).collect();
+        Settled { levels, layout, distance, volume, weights, left }
+    }
 }
 
-/// w at a cell's corners.
-fn of_cell(weights: &CornerWeights, cell: usize) -> [f64; 8] {
-    weights.palette[weights.of_cell[cell] as usize]
+/// A free corner has the plain form, 0, if a cell needs that there, and the other elsewhere.
+fn weights(tree: &CellTree, layout: &Levels, cells: &[(LevelCell, LayoutCell)]) -> Vec<u32> {
+    let mut is_plain = vec![false; layout.count()];
+    for (own, cell) in cells {
+        if tree.cells[own] == State::Band(Wish::Plain) {
+            cell.nodes[..8].iter().for_each(|&corner| is_plain[corner as usize] = true);
+        }
+    }
+    layout.free_corners().map(|corner| u32::from(!is_plain[corner as usize])).collect()
 }
 
 /// w at all nodes. Neighbours agree on their common nodes.
-fn weights_at_nodes(layout: &Levels, free: &[u32]) -> Vec<f64> {
-    let (weights, mut out) = (layout.complete_weights(free), vec![0.0; layout.count()]);
+fn weights_at_nodes(nodes: usize, cells: &[(LevelCell, LayoutCell)], corners: &CornerWeights) -> Vec<f64> {
+    let mut out = vec![0.0; nodes];
     let parts: [[f64; 8]; NODES] = std::array::from_fn(|a| trilinear(node(a)));
-    for cell in layout.cells() {
-        let own = of_cell(&weights, cell.number);
+    for (_, cell) in cells {
+        let own = corners.of(cell.number);
         for (parts, &node) in parts.iter().zip(&cell.nodes) {
-            out[node as usize] = parts.iter().zip(&own).map(|(n, w)| n * w).sum();
+            out[node as usize] = part_of(parts, &own);
         }
     }
     out

@@ -12,7 +12,7 @@ use volmap_runtime::layout::serendipity::{NODES, node, shape};
 use volmap_runtime::layout::{CellIndex, CornerWeights, FlatWall, Held, LevelCell, Levels, Nodes};
 use volmap_runtime::{Grid, layout::Cell};
 
-use super::cells::trilinear;
+use super::cells::{part_of, trilinear};
 
 /// The same map with equal cells: the smallest, or, where that were more than `max_cells`, larger ones. Uniform maps stay
 /// as they are.
@@ -41,8 +41,7 @@ struct Source<'a> {
 
 impl Source<'_> {
     fn new(asset: &Asset) -> Result<Source<'_>, Error> {
-        let coarsest = LevelCells { band: asset.band_cells.clone(), solid: asset.solid_cells.clone() };
-        let lists: Vec<LevelCells> = std::iter::once(coarsest).chain(asset.finer.iter().cloned()).collect();
+        let lists = asset.levels();
         let wrong = |error: String| Error::setting("asset", error);
         let levels = Levels::new(Grid::from(asset.grid), &lists).map_err(|error| wrong(error.to_string()))?;
         let complete = |field: &Array| match field.len() == levels.free_count() {
@@ -59,14 +58,11 @@ impl Source<'_> {
 
     /// Cells of the band, about, if all were of this level.
     fn count(&self, level: u32) -> u64 {
-        let of_level = |(own, list): (usize, &LevelCells)| {
-            let cells: u64 = list.band.iter().map(|run| u64::from(run.len)).sum();
-            match (own as u32).cmp(&level) {
-                std::cmp::Ordering::Greater => cells >> (3 * (own as u32 - level)).min(63),
-                _ => cells << (3 * (level - own as u32)).min(40),
-            }
+        let of_level = |(own, cells): (u32, u64)| match own > level {
+            true => cells >> (3 * (own - level)).min(63),
+            false => cells << (3 * (level - own)).min(40),
         };
-        self.lists.iter().enumerate().map(of_level).sum()
+        (0..).zip(self.asset.cells_by_level()).map(of_level).sum()
     }
 
     /// The map on the cells of a level.
@@ -118,9 +114,7 @@ impl Source<'_> {
         };
         let (distance, mut volume) = (sum(&self.distance), sum(&self.volume));
         if let Some((weights, wall)) = &self.weights {
-            let corners = weights.palette[weights.of_cell[number] as usize];
-            let weight: f64 = trilinear(xi).iter().zip(corners).map(|(n, w)| n * w).sum();
-            volume += weight * wall.volume(distance);
+            volume += part_of(&trilinear(xi), &weights.of(number)) * wall.volume(distance);
         }
         // A fit overshoots by a part of its tolerance; a volume is none then.
         [distance, volume.clamp(0.0, self.asset.quadrature.ball_volume)]

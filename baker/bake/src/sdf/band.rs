@@ -24,8 +24,17 @@ pub struct BandCells {
 impl BandCells {
     /// Number of cells in the band.
     pub fn band_count(&self) -> u64 {
-        self.band.iter().map(|run| u64::from(run.len)).sum()
+        count(&self.band)
     }
+
+    /// Number of cells beyond it in the solid.
+    pub fn solid_count(&self) -> u64 {
+        count(&self.solid)
+    }
+}
+
+fn count(runs: &[CellRun]) -> u64 {
+    runs.iter().map(|run| u64::from(run.len)).sum()
 }
 
 /// Blocks of more cells along an axis are split by several threads.

@@ -118,7 +118,7 @@ impl Mass {
     /// From the distances at parts of a map's cells. A surface cuts such a part on average as if it were
     /// perpendicular to the part's edges, so the error shrinks with the cell's square.
     fn of_cells(map: &VolumeMap, density: f64) -> Mass {
-        let grid = map.finest_grid(MOST_CELLS);
+        let grid = map.finest_grid(super::MOST_CELLS);
         let origin = 0.5 * (grid.origin + grid.max_corner());
         let layers: Vec<Moments> =
             (0..grid.resolution.z).into_par_iter().map(|z| layer_moments(map, &grid, origin, z)).collect();
@@ -153,9 +153,6 @@ impl Mass {
             && self.inertia.inverse().is_finite()
     }
 }
-
-/// Equal cells that stand for those of several sizes, at most.
-const MOST_CELLS: u64 = 1 << 22;
 
 /// Of the cells with this z.
 fn layer_moments(map: &VolumeMap, grid: &Grid, origin: DVec3, z: u32) -> Moments {

@@ -66,15 +66,12 @@ fn turned(mesh: &TriangleMesh) -> TriangleMesh {
     TriangleMesh { vertices: mesh.vertices.clone(), triangles }
 }
 
-/// Equal cells that stand for those of several sizes, at most.
-const MOST_CELLS: u64 = 1 << 22;
-
 /// The surface of the map, from the corners of its cells.
 fn mesh_of_map(map: &VolumeMap) -> Result<TriangleMesh, String> {
     if map.dimension() == Dimension::Two {
         return Err("its map is in two dimensions; give it a mesh to touch other bodies with".into());
     }
-    let resolution = LatticeChoice::Resolution(map.finest_grid(MOST_CELLS).resolution.to_array());
+    let resolution = LatticeChoice::Resolution(map.finest_grid(super::MOST_CELLS).resolution.to_array());
     let surface =
         iso_surface(map, 0.0, Some(resolution), &Default::default()).map_err(|error| error.to_string())?;
     match surface.triangles.is_empty() {

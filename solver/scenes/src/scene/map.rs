@@ -294,7 +294,7 @@ impl<'a> Library<'a> {
         if !gives_cells(given) && self.is_large(&input, &recipe) {
             let MapErrors { volume, distance } = self.errors;
             recipe.bake.map.grid = GridChoice::Tolerance(Tolerances { volume, distance, normal: None });
-            identity = content_key::identify(path, recipe.effective())?;
+            identity = identity.with_parameters(recipe.effective());
         }
         let key = identity.key;
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
