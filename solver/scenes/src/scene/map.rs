@@ -151,7 +151,7 @@ impl<'a> Library<'a> {
         shape.map(|shape| shape.within(corners))
     }
 
-    /// The body with the errors that its map may have, if it leaves its cells open.
+    /// The body with the cells that its map needs, if it leaves them open.
     pub fn with_cells(&self, body: &Body) -> Body {
         let mut body = body.clone();
         body.shape = self.bounded(body.shape, body.pose());
