@@ -12,8 +12,10 @@
 mod cells;
 mod distance_tree;
 mod fit;
+mod known;
 mod lattice;
 mod measure;
+mod probes;
 mod samples;
 mod settle;
 mod stored;
@@ -35,9 +37,11 @@ use crate::tolerance::{SearchProblem, check_rounding, fluid_points, no_fluid};
 use crate::volume_map::anywhere::LineRule;
 use crate::volume_map::quadrature::Rule;
 use crate::watch::Watch;
-use cells::{CellTree, Judge, Known};
+use cells::{CellTree, Judge};
+
 use distance_tree::{DistanceTree, TreeSettings};
 use glam::DVec3;
+use known::{Known, polynomial_level};
 use lattice::{FineLattice, LevelCell, indices};
 use measure::Reference;
 use stored::adaptive_asset;
@@ -57,7 +61,7 @@ const REPAIRS: usize = 5;
 const MOST_REPAIRED: usize = 30;
 /// Error of Phi on the tree, in support radii for each part of the ball: V on it is then wrong by less than
 /// half of the tolerance, by a tenth as a rule.
-const TREE: f64 = 0.25;
+const TREE: f64 = 0.5;
 /// From this tolerance on the coarser reference is fine enough: its own error is 0.06 % of the ball, the other's 0.02 %.
 const COARSE_FROM: f64 = 5e-3;
 
@@ -172,6 +176,7 @@ impl<D: SignedDistance> Search<'_, D> {
             in_place: IN_PLACE,
             phi: self.phi,
             integrator: &TreeIntegrator::new(&tree, &rule, radius),
+            polynomial_level: polynomial_level(&self.lattice, radius, self.tolerances.volume),
             max_memory: self.settings.max_memory,
             work: &work,
         };

@@ -19,7 +19,7 @@ use super::cells::{Found, Starts};
 use super::nodes::Family;
 use super::serendipity::NODES;
 use crate::grid::Grid;
-use constrain::{Constrained, Shapes};
+use constrain::Constrained;
 use glam::{DVec3, UVec3};
 use number::LevelNodes;
 use rows::Rows;
@@ -212,7 +212,7 @@ impl Levels {
         for (number, values) in self.free().zip(free) {
             all[number as usize] = values;
         }
-        let shapes = Shapes::new();
+        let shapes = &*constrain::SHAPES;
         self.constrain(|node, at, numbers| {
             all[node] = shapes.values(at.sixths, |a| all[numbers[a] as usize].map(wide)).map(narrow);
         });
@@ -223,7 +223,7 @@ impl Levels {
     /// they follow from, at the free ones. What a fit of the free values needs.
     pub fn share_out(&self, all: &[f64]) -> Vec<f64> {
         let mut all = all.to_vec();
-        let shapes = Shapes::new();
+        let shapes = &*constrain::SHAPES;
         for pair in self.levels.windows(2).rev() {
             let (coarse, level) = (&pair[0], &pair[1]);
             for at in &level.constrained {

@@ -1,14 +1,15 @@
 //! The tree of a map's cells: split where measured errors are too large, and balanced.
 
 use super::fit::Targets;
-use super::lattice::{FineLattice, Key, LevelCell, PROBES, SHAPES, probe_place};
+use super::known::Known;
+use super::lattice::{FineLattice, LevelCell};
 use super::measure::exact_normal;
-use super::samples::Samples;
+use super::probes;
 use super::volume::TreeIntegrator;
 use crate::error::Error;
 use crate::sdf::SignedDistance;
 use crate::settings::Tolerances;
-use crate::watch::{Cancelled, Work};
+use crate::watch::Work;
 use glam::{DVec3, IVec3, UVec3};
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
@@ -58,19 +59,12 @@ pub struct Judge<'a, D> {
     pub phi: &'a D,
     /// Eq. 12.
     pub integrator: &'a TreeIntegrator<'a>,
+    /// Level of the cells in which V is the polynomial through its values at their nodes; see [`polynomial_level`](super::known::polynomial_level).
+    pub polynomial_level: u32,
     /// Bytes that cells and samples may take.
     pub max_memory: u64,
     /// Who may stop it.
     pub work: &'a Work,
-}
-
-/// What is known at the points of the lattice.
-#[derive(Default)]
-pub struct Known {
-    /// Phi, metres.
-    pub distance: Samples,
-    /// V, m^3.
-    pub volume: Samples,
 }
 
 /// All cells.
@@ -106,8 +100,9 @@ impl<D: SignedDistance> Judge<'_, D> {
         while !cells.is_empty() {
             let states = self.states(&cells, known)?;
             let mut next = Vec::new();
-            for (cell, state) in cells.into_iter().zip(states) {
+            for (cell, (state, exact)) in cells.into_iter().zip(states) {
                 tree.cells.insert(cell, state);
+                exact.map(|exact| known.at_probes.insert(cell, exact));
                 if state == State::Split {
                     next.extend(cell.children());
                 }
@@ -127,7 +122,7 @@ impl<D: SignedDistance> Judge<'_, D> {
         }
     }
 
-    fn states(&self, cells: &[LevelCell], known: &mut Known) -> Result<Vec<State>, Error> {
+    fn states(&self, cells: &[LevelCell], known: &mut Known) -> Result<Vec<Judged>, Error> {
         let lattice = self.lattice;
         let centers = cells.par_iter().map(|&cell| lattice.center_key(cell));
         known.distance.ask_distance(centers, &lattice, self.phi, self.work)?;
@@ -142,84 +137,108 @@ impl<D: SignedDistance> Judge<'_, D> {
         let states: Vec<Option<State>> = cells.par_iter().map(beyond).collect();
         let in_band = cells.iter().zip(&states).filter(|(_, state)| state.is_none());
         let band: Vec<LevelCell> = in_band.map(|(cell, _)| *cell).collect();
-        self.measure(&band, known)?;
-        let known = &*known;
-        let judged = |(&cell, state): (_, Option<State>)| state.unwrap_or_else(|| self.judged(cell, known));
-        Ok(cells.par_iter().zip(states).map(judged).collect())
-    }
-
-    /// Makes distance and volume known at the nodes and probes of cells of the band.
-    fn measure(&self, cells: &[LevelCell], known: &mut Known) -> Result<(), Cancelled> {
-        let lattice = self.lattice;
-        let of_cell = |&cell| lattice.nodes(cell).into_iter().chain(lattice.probes(cell));
-        let points = cells.par_iter().flat_map_iter(of_cell);
-        known.distance.ask_distance(points.clone(), &lattice, self.phi, self.work)?;
-        let missing = known.volume.missing(points);
-        let volume = |&key: &Key| {
-            self.work.check()?;
-            Ok(self.volume(key, known.distance.at(key)))
+        let mut judged = self.judged(&band, known)?.into_iter();
+        let of_band = |state: Option<State>| match state {
+            Some(state) => (state, None),
+            None => judged.next().unwrap_or((State::Fluid, None)),
         };
-        let volumes = missing.par_iter().map(volume).collect::<Result<_, Cancelled>>()?;
-        known.volume.insert(&missing, volumes);
-        Ok(())
+        Ok(states.into_iter().map(of_band).collect())
     }
 
-    /// Eq. 12; without any work where the ball is all fluid or all solid.
-    fn volume(&self, key: Key, phi: f64) -> f64 {
-        match phi / self.radius {
-            q if q >= 2.0 => 0.0,
-            q if q <= -1.0 => self.ball,
-            _ => self.integrator.volume(self.lattice.position(key)),
-        }
+    /// Cells of the band, each by itself: first by distance and normal, which are had for less than the volume.
+    fn judged(&self, cells: &[LevelCell], known: &mut Known) -> Result<Vec<Judged>, Error> {
+        self.ask_distances(cells, known)?;
+        let distances = &known.distance;
+        let is_split = |cell: &LevelCell| {
+            let nodes = self.lattice.nodes(*cell).map(|key| distances.at(key));
+            let exact = self.lattice.probes(*cell).map(|key| distances.at(key) as f32);
+            cell.level < self.lattice.finest() && self.surface_error(*cell, &exact, &nodes) > 1.0
+        };
+        let split: Vec<bool> = cells.par_iter().map(is_split).collect();
+        let of_kind = |kind| cells.iter().zip(&split).filter(move |(_, split)| **split == kind);
+        let [left, split_cells] =
+            [false, true].map(|kind| of_kind(kind).map(|(cell, _)| *cell).collect::<Vec<_>>());
+        self.ask_volumes(&left, &split_cells, known)?;
+        let known = &*known;
+        let judged = |(cell, split): (&LevelCell, &bool)| match split {
+            true => (State::Split, None),
+            false => self.judged_by_volume(*cell, known),
+        };
+        Ok(cells.par_iter().zip(&split).map(judged).collect())
     }
 
-    /// A cell of the band, by itself.
-    fn judged(&self, cell: LevelCell, known: &Known) -> State {
+    fn judged_by_volume(&self, cell: LevelCell, known: &Known) -> Judged {
+        let exact = self.exact(cell, known);
         let nodes = self.lattice.nodes(cell);
         let distance = nodes.map(|key| known.distance.at(key));
         let volume = nodes.map(|key| known.volume.at(key));
         let difference = std::array::from_fn(|a| volume[a] - self.wall.volume(distance[a]));
-        let plain = self.errors(cell, &CellFields { distance, volume, weights: [0.0; 8] }, known);
-        let plane = self.errors(cell, &CellFields { distance, volume: difference, weights: [1.0; 8] }, known);
-        let can_split = cell.level < self.lattice.finest();
-        if plain.surface > 1.0 && can_split {
-            return State::Split;
-        }
-        State::Band(match (plane.volume <= BY_FIT, plain.volume <= BY_FIT) {
+        let plain = self.volume_error(&exact, &CellFields { distance, volume, weights: [0.0; 8] });
+        let plane =
+            self.volume_error(&exact, &CellFields { distance, volume: difference, weights: [1.0; 8] });
+        let wish = match (plane <= BY_FIT, plain <= BY_FIT) {
             (true, true) => Wish::Either,
             (true, false) => Wish::Plane,
             (false, true) => Wish::Plain,
-            _ if can_split => return State::Split,
-            _ if plane.volume < plain.volume => Wish::Plane,
+            _ if cell.level < self.lattice.finest() => return (State::Split, None),
+            _ if plane < plain => Wish::Plane,
             _ => Wish::Plain,
-        })
+        };
+        (State::Band(wish), Some(exact))
     }
 
-    /// Largest errors of a cell with these fields at its probes.
-    pub fn errors(&self, cell: LevelCell, fields: &CellFields, known: &Known) -> Errors {
-        let mut errors = Errors::default();
-        for (at, key) in self.lattice.probes(cell).into_iter().enumerate() {
-            let exact = known.distance.at(key);
-            if !self.counts(exact) {
-                continue;
-            }
-            let shape = &SHAPES[at];
-            let sum = |values: &[f64; NODES]| shape.iter().zip(values).map(|(n, v)| n * v).sum::<f64>();
-            let distance = sum(&fields.distance);
-            let plane = self.of_wall(part_of(&WEIGHTS[at], &fields.weights), distance);
-            let miss = (plane + sum(&fields.volume) - known.volume.at(key)).abs();
-            errors.volume = errors.volume.max(miss / (self.tolerances.volume * self.ball));
-            if exact <= self.radius {
-                let miss = (distance - exact).abs() / (self.tolerances.distance * self.radius);
-                errors.surface = errors.surface.max(miss).max(self.normal_error(cell, at, fields));
+    /// What is known at a cell's probes.
+    fn exact(&self, cell: LevelCell, known: &Known) -> Exact {
+        let keys = self.lattice.probes(cell);
+        Exact {
+            distance: keys.map(|key| known.distance.at(key) as f32),
+            volume: keys.map(|key| known.volume.at(key) as f32),
+        }
+    }
+
+    /// Largest error of a cell with these fields at its probes, as a part of the tolerances.
+    pub fn error(&self, cell: LevelCell, fields: &CellFields, known: &Known) -> f64 {
+        let exact = &known.at_probes[&cell];
+        self.volume_error(exact, fields).max(self.surface_error(cell, &exact.distance, &fields.distance))
+    }
+
+    /// Of the volume.
+    fn volume_error(&self, exact: &Exact, fields: &CellFields) -> f64 {
+        let volume = self.volumes(fields);
+        let places = volume.iter().zip(&exact.volume).zip(&exact.distance);
+        let fluid = places.filter(|(_, phi)| self.counts(f64::from(**phi)));
+        let misses = fluid.map(|((found, exact), _)| (found - f64::from(*exact)).abs());
+        misses.fold(0.0, f64::max) / (self.tolerances.volume * self.ball)
+    }
+
+    /// V at the probes, m^3.
+    fn volumes(&self, fields: &CellFields) -> [f64; probes::COUNT] {
+        let mut volumes = probes::values(&fields.volume);
+        self.of_wall(&fields.weights, &fields.distance, |probe, wall| volumes[probe] += wall);
+        volumes
+    }
+
+    /// Of distance and normal.
+    fn surface_error(&self, cell: LevelCell, exact: &[f32; probes::COUNT], distance: &[f64; NODES]) -> f64 {
+        let mut largest = 0.0f64;
+        for (probe, (found, exact)) in probes::values(distance).iter().zip(exact).enumerate() {
+            let exact = f64::from(*exact);
+            if self.counts(exact) && exact <= self.radius {
+                let miss = (found - exact).abs() / (self.tolerances.distance * self.radius);
+                largest = largest.max(miss).max(self.normal_error(cell, probe, distance));
             }
         }
-        errors
+        largest
     }
 
-    /// w V_plane(Phi), m^3.
-    pub fn of_wall(&self, weight: f64, distance: f64) -> f64 {
-        if weight == 0.0 { 0.0 } else { weight * self.wall.volume(distance) }
+    /// w V_plane(Phi) at the probes where that isn't 0, m^3.
+    fn of_wall(&self, weights: &[f64; 8], distance: &[f64; NODES], mut each: impl FnMut(usize, f64)) {
+        if *weights == [0.0; 8] {
+            return;
+        }
+        for (probe, (phi, parts)) in probes::values(distance).into_iter().zip(&*WEIGHTS).enumerate() {
+            each(probe, part_of(parts, weights) * self.wall.volume(phi));
+        }
     }
 
     /// Whether fluid can be where Phi is this.
@@ -235,27 +254,25 @@ impl<D: SignedDistance> Judge<'_, D> {
         weights: &[f64; 8],
         known: &Known,
     ) -> Targets {
-        let mut targets = Targets { values: [0.0; PROBES.len()], weights: [1.0; PROBES.len()] };
-        for (at, key) in self.lattice.probes(cell).into_iter().enumerate() {
-            let phi = SHAPES[at].iter().zip(distance).map(|(n, phi)| n * phi).sum();
-            targets.values[at] = known.volume.at(key) - self.of_wall(part_of(&WEIGHTS[at], weights), phi);
-            if !self.counts(known.distance.at(key)) {
-                targets.weights[at] = REST;
-            }
+        let exact = &known.at_probes[&cell];
+        let mut values = exact.volume.map(f64::from);
+        self.of_wall(weights, distance, |probe, wall| values[probe] -= wall);
+        Targets {
+            values,
+            weights: exact.distance.map(|phi| if self.counts(f64::from(phi)) { 1.0 } else { REST }),
         }
-        targets
     }
 
     /// Error of the normal at a probe as a part of the tolerance; 0 if that isn't asked for, or at a kink.
-    fn normal_error(&self, cell: LevelCell, probe: usize, fields: &CellFields) -> f64 {
+    fn normal_error(&self, cell: LevelCell, probe: usize, distance: &[f64; NODES]) -> f64 {
         let Some(tolerance) = self.tolerances.normal else { return 0.0 };
         if self.lattice.cell_size(cell.level).max_element() <= NORMALS_DOWN_TO * self.radius {
             return 0.0;
         }
         let place = self.lattice.position(self.lattice.probes(cell)[probe]);
         let Some(exact) = exact_normal(self.phi, place, self.radius) else { return 0.0 };
-        let (_, slopes) = shape_and_gradient(probe_place(probe));
-        let gradient: DVec3 = slopes.iter().zip(&fields.distance).map(|(slope, phi)| *slope * *phi).sum();
+        let (_, slopes) = shape_and_gradient(probes::place(probe));
+        let gradient: DVec3 = slopes.iter().zip(distance).map(|(slope, phi)| *slope * *phi).sum();
         exact.angle_between(gradient / self.lattice.cell_size(cell.level)) / tolerance
     }
 }
@@ -271,25 +288,20 @@ pub struct CellFields {
     pub weights: [f64; 8],
 }
 
-/// Largest errors of a cell, as parts of the tolerances.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Errors {
-    /// Of the volume.
-    pub volume: f64,
-    /// Of distance and normal.
-    pub surface: f64,
+/// What is known at the probes of a cell, side by side: rounds ask for it again and again.
+pub struct Exact {
+    /// Phi, metres.
+    distance: [f32; probes::COUNT],
+    /// V, m^3.
+    volume: [f32; probes::COUNT],
 }
 
-impl Errors {
-    /// The larger one.
-    pub fn largest(&self) -> f64 {
-        self.volume.max(self.surface)
-    }
-}
+/// What a cell is, and what is known of it if it is one of the band.
+type Judged = (State, Option<Exact>);
 
 /// Trilinear weights of the corners at the probes.
-static WEIGHTS: LazyLock<[[f64; 8]; PROBES.len()]> =
-    LazyLock::new(|| std::array::from_fn(|probe| trilinear(probe_place(probe))));
+static WEIGHTS: LazyLock<[[f64; 8]; probes::COUNT]> =
+    LazyLock::new(|| std::array::from_fn(|probe| trilinear(probes::place(probe))));
 
 /// The trilinear value of these corners.
 pub fn part_of(parts: &[f64; 8], corners: &[f64; 8]) -> f64 {

@@ -4,7 +4,8 @@
 //! Each leaf has the cubic Serendipity polynomial through its own 32 samples. Leaves of different size needn't agree at
 //! their faces: the error is bounded in each, and nothing but integrals looks at it.
 
-use super::lattice::{FineLattice, LevelCell, PROBES, SHAPES, indices};
+use super::lattice::{FineLattice, Key, LevelCell, indices};
+use super::probes;
 use super::samples::Samples;
 use crate::sdf::SignedDistance;
 use crate::volume_map::kernel::Content;
@@ -122,7 +123,7 @@ impl DistanceTree {
             }
         }
         let of_cell =
-            |(_, cell): &(_, LevelCell)| lattice.nodes(*cell).into_iter().chain(lattice.probes(*cell));
+            |(_, cell): &(_, LevelCell)| lattice.nodes(*cell).into_iter().chain(judged_at(*cell, &lattice));
         samples.ask_distance(open.par_iter().flat_map_iter(of_cell), &lattice, phi, work)?;
         let polynomials: Vec<Option<[f64; NODES]>> =
             open.par_iter().map(|(_, cell)| polynomial(*cell, &lattice, settings, samples)).collect();
@@ -186,19 +187,28 @@ fn polynomial(
     samples: &Samples,
 ) -> Option<[f64; NODES]> {
     let nodes = lattice.nodes(cell).map(|key| samples.at(key));
-    let exact = lattice.probes(cell).map(|key| samples.at(key));
+    let exact = judged_at(cell, lattice).map(|key| samples.at(key));
     let margin = 0.5 * lattice.cell_size(cell.level).max_element();
     let good = cell.level == lattice.finest() || is_good(&nodes, &exact, margin, settings);
     good.then(|| monomials_of_nodes(&nodes, 1.0 / settings.radius))
 }
 
+/// The midpoints of a cell and its children among its probes. The others would only be asked here if it isn't split.
+const JUDGED_AT: std::ops::Range<usize> = 18..probes::COUNT;
+
+fn judged_at(cell: LevelCell, lattice: &FineLattice) -> [Key; JUDGED_AT.end - JUDGED_AT.start] {
+    let keys = lattice.probes(cell);
+    std::array::from_fn(|n| keys[JUDGED_AT.start + n])
+}
+
 /// Whether the polynomial is exact enough at the probes at which the extension function asks for Phi, or half a cell
 /// (`margin`, metres) beyond.
-fn is_good(nodes: &[f64; NODES], exact: &[f64; PROBES.len()], margin: f64, settings: &TreeSettings) -> bool {
+fn is_good(nodes: &[f64; NODES], exact: &[f64], margin: f64, settings: &TreeSettings) -> bool {
     let range = -margin..settings.radius + margin;
     let (mut sum, mut count) = (0.0, 0.0f64);
-    for (shape, exact) in SHAPES.iter().zip(exact).filter(|(_, exact)| range.contains(exact)) {
-        let found: f64 = shape.iter().zip(nodes).map(|(n, phi)| n * phi).sum();
+    for (found, exact) in
+        probes::values(nodes)[JUDGED_AT].iter().zip(exact).filter(|(_, exact)| range.contains(exact))
+    {
         sum += (found - exact).abs();
         count += 1.0;
     }

@@ -3,24 +3,25 @@
 //! A cubic through the nodes misses by most in the middle of a cell, and always to one side; the best cubic misses by half
 //! of that. And the traces of coarse cells, which finer neighbours take over, are those that suit both.
 //!
-//! Conjugate gradients on the normal equations (Bjorck and Elfving 1979, CGLS), from the values at the nodes on: few steps
-//! suffice, for every number has its say near by only.
+//! Conjugate gradients on the normal equations (Bjorck and Elfving 1979, CGLS), from the values at the nodes on, or the fit
+//! of the round before: few steps suffice, for every number has its say near by only.
 
-use super::lattice::{PROBES, SHAPES};
+use super::probes;
 use rayon::prelude::*;
 use volmap_runtime::layout::Levels;
 use volmap_runtime::layout::serendipity::NODES;
 
-/// Steps of conjugate gradients.
-const STEPS: usize = 8;
+/// Steps of conjugate gradients, from the values at the nodes and from a fit.
+pub const FIRST: usize = 8;
+pub const AGAIN: usize = 4;
 
 /// What is known at a cell's probes.
 #[derive(Clone, Copy, Debug)]
 pub struct Targets {
     /// The number that the fit should have there.
-    pub values: [f64; PROBES.len()],
+    pub values: [f64; probes::COUNT],
     /// How much that counts.
-    pub weights: [f64; PROBES.len()],
+    pub weights: [f64; probes::COUNT],
 }
 
 /// A fit to be found.
@@ -39,19 +40,18 @@ pub struct Fit<'a> {
 
 /// Weighted differences at probes and nodes.
 struct Differences {
-    probes: Vec<[f64; PROBES.len()]>,
+    probes: Vec<[f64; probes::COUNT]>,
     nodes: Vec<f64>,
 }
 
 impl Fit<'_> {
-    /// The values at the free nodes.
-    pub fn solve(&self) -> Vec<f64> {
-        let mut x: Vec<f64> = self.layout.free().map(|node| self.at_nodes[node as usize]).collect();
+    /// The values at the free nodes, in steps from others there.
+    pub fn solve(&self, mut x: Vec<f64>, steps: usize) -> Vec<f64> {
         let mut rest = self.missing(&x);
         let mut slope = self.shared_out(&rest);
         let mut direction = slope.clone();
         let mut size = square(&slope);
-        for _ in 0..STEPS {
+        for _ in 0..steps {
             let change = self.applied(&direction);
             let length = change.square();
             if !(length > 0.0 && size > 0.0) {
@@ -84,14 +84,11 @@ impl Fit<'_> {
 
     /// W A x.
     fn applied(&self, x: &[f64]) -> Differences {
-        let (all, shapes) = (self.layout.complete(x), &*SHAPES);
+        let all = self.layout.complete(x);
         let of_cell = |(nodes, targets): (&[u32; NODES], &Targets)| {
-            let values = nodes.map(|node| all[node as usize]);
-            let value = |n: usize| {
-                let sum: f64 = shapes[n].iter().zip(&values).map(|(n, v)| n * v).sum();
-                targets.weights[n] * sum
-            };
-            std::array::from_fn(value)
+            let mut values = probes::values(&nodes.map(|node| all[node as usize]));
+            values.iter_mut().zip(&targets.weights).for_each(|(value, weight)| *value *= weight);
+            values
         };
         let probes = self.cells.par_iter().zip(self.targets).map(of_cell).collect();
         let nodes = all.iter().zip(self.node_weights).map(|(value, weight)| weight * value).collect();
@@ -102,14 +99,10 @@ impl Fit<'_> {
     fn shared_out(&self, of: &Differences) -> Vec<f64> {
         let mut all: Vec<f64> =
             of.nodes.iter().zip(self.node_weights).map(|(d, weight)| weight * d).collect();
-        let shapes = &*SHAPES;
-        let of_cell = |(targets, own): (&Targets, &[f64; PROBES.len()])| {
-            let mut sums = [0.0; NODES];
-            for (n, own) in own.iter().enumerate() {
-                let own = targets.weights[n] * own;
-                sums.iter_mut().zip(&shapes[n]).for_each(|(sum, n)| *sum += n * own);
-            }
-            sums
+        let of_cell = |(targets, own): (&Targets, &[f64; probes::COUNT])| {
+            let mut weighted = *own;
+            weighted.iter_mut().zip(&targets.weights).for_each(|(own, weight)| *own *= weight);
+            probes::shared_out(&weighted)
         };
         let sums: Vec<[f64; NODES]> = self.targets.par_iter().zip(&of.probes).map(of_cell).collect();
         for (nodes, sums) in self.cells.iter().zip(&sums) {

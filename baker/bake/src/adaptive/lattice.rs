@@ -1,9 +1,9 @@
 //! The fine lattice on which all nodes and test points of all levels lie, as integers: their keys are exact.
 
+use super::probes::{self, PROBES};
 use glam::{DVec3, UVec3};
-use std::sync::LazyLock;
 use volmap_runtime::Grid;
-use volmap_runtime::layout::serendipity::{NODES, THIRDS, shape};
+use volmap_runtime::layout::serendipity::{NODES, THIRDS};
 
 /// Bits of a coordinate in a key.
 const BITS: u32 = 21;
@@ -28,35 +28,6 @@ pub struct FineLattice {
     finest: u32,
     /// Points of the lattice along an edge of a cell of level 0, as a number.
     per_cell: f64,
-}
-
-/// Where a cell is judged, in quarters of its edges: the midpoints of the cell, of its edges and faces, which are corners
-/// of its children, and those of its children.
-pub const PROBES: [[u8; 3]; 27] = {
-    let mut points = [[0; 3]; 27];
-    let (mut count, mut n) = (0, 0);
-    while n < 27 {
-        let half = [n % 3, n / 3 % 3, n / 9];
-        if half[0] == 1 || half[1] == 1 || half[2] == 1 {
-            points[count] = [2 * half[0], 2 * half[1], 2 * half[2]];
-            count += 1;
-        } else {
-            // A corner; the child's midpoint there.
-            points[19 + (half[0] / 2 + half[1] + 2 * half[2]) as usize] =
-                [1 + half[0], 1 + half[1], 1 + half[2]];
-        }
-        n += 1;
-    }
-    points
-};
-
-/// The 32 shape functions at the probes.
-pub static SHAPES: LazyLock<[[f64; NODES]; PROBES.len()]> =
-    LazyLock::new(|| std::array::from_fn(|probe| shape(probe_place(probe))));
-
-/// Reference coordinates of a probe.
-pub fn probe_place(probe: usize) -> DVec3 {
-    DVec3::from(PROBES[probe].map(|quarter| 0.5 * f64::from(quarter) - 1.0))
 }
 
 /// The cells of a grid, x fastest.
@@ -121,7 +92,7 @@ impl FineLattice {
     }
 
     /// Where it is judged, in the order of [`PROBES`].
-    pub fn probes(&self, cell: LevelCell) -> [Key; PROBES.len()] {
+    pub fn probes(&self, cell: LevelCell) -> [Key; probes::COUNT] {
         let step = 3 << (self.finest - cell.level);
         PROBES.map(|quarter| Key::new(step * (4 * cell.at + UVec3::from(quarter.map(u32::from)))))
     }

@@ -19,6 +19,16 @@ impl Samples {
         self.0[&key]
     }
 
+    /// The value at a point, if it is known.
+    pub fn get(&self, key: Key) -> Option<f64> {
+        self.0.get(&key).copied()
+    }
+
+    /// Takes the value of a point, unless it has one.
+    pub fn insert_new(&mut self, key: Key, value: f64) {
+        self.0.entry(key).or_insert(value);
+    }
+
     /// How many there are.
     pub fn count(&self) -> usize {
         self.0.len()

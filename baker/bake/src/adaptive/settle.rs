@@ -1,8 +1,9 @@
 //! From the tree of cells to a map: nodes numbered, corners weighted, errors measured once more with all constraints in
 //! place, and cells split until none is left that can be.
 
-use super::cells::{CellFields, CellTree, Judge, Known, REST, State, Wish, part_of, trilinear};
-use super::fit::{Fit, Targets};
+use super::cells::{CellFields, CellTree, Judge, REST, State, Wish, part_of, trilinear};
+use super::fit::{AGAIN, FIRST, Fit, Targets};
+use super::known::Known;
 use super::lattice::{Key, LevelCell};
 use crate::error::Error;
 use crate::plan::Plan;
@@ -16,6 +17,9 @@ use volmap_runtime::layout::{CornerWeights, LevelCell as LayoutCell, Levels};
 
 /// How often cells are split for what they are in place, at most. Few are left then, and errors a little above.
 const ROUNDS: usize = 8;
+
+/// Part of the cells that are few.
+const FEW: f64 = 0.001;
 
 /// Fields at the free nodes of an adaptive set of cells.
 pub struct Settled {
@@ -50,9 +54,11 @@ struct Numbered {
     /// w at the free corners, and at those of each cell.
     weights: Vec<u32>,
     corners: CornerWeights,
-    /// Phi at all nodes, metres.
+    /// All nodes.
+    keys: Vec<Key>,
+    /// Phi there, metres.
     distance: Vec<f64>,
-    /// The stored volume at all nodes, exactly, m^3.
+    /// The stored volume there, exactly, m^3.
     difference: Vec<f64>,
 }
 
@@ -68,7 +74,8 @@ impl<D: SignedDistance> Judge<'_, D> {
             let numbered = self.numbered(tree, known, plan)?;
             let volume = self.fitted(&numbered, known);
             let failing = self.failing(&numbered, &volume, known);
-            let split = self.causes(&failing, tree);
+            let few = failing.len() as f64 <= FEW * numbered.cells.len() as f64;
+            let split = self.causes(&failing, few, tree);
             if split.is_empty() || round == ROUNDS {
                 let left = failing.iter().filter(|(_, error)| *error > 1.0).map(|(cell, _)| *cell).collect();
                 return Ok(numbered.settled(volume, left));
@@ -78,13 +85,14 @@ impl<D: SignedDistance> Judge<'_, D> {
         unreachable!("the last round returns")
     }
 
-    /// What to split: a cell that is good by itself fails by the traces of the larger ones that it touches.
-    fn causes(&self, failing: &[(LevelCell, f64)], tree: &CellTree) -> Vec<LevelCell> {
+    /// What to split: a cell that is good by itself fails by the traces of the larger ones that it touches. Where `few` are
+    /// left, both: another round would cost more than their cells.
+    fn causes(&self, failing: &[(LevelCell, f64)], few: bool, tree: &CellTree) -> Vec<LevelCell> {
         let mut causes = Vec::new();
         for &(cell, _) in failing {
             let before = causes.len();
             causes.extend(tree.larger_neighbours(cell, self.lattice.grid().resolution));
-            if causes.len() == before && cell.level < self.lattice.finest() {
+            if (few || causes.len() == before) && cell.level < self.lattice.finest() {
                 causes.push(cell);
             }
         }
@@ -127,6 +135,7 @@ impl<D: SignedDistance> Judge<'_, D> {
     fn split(&self, cells: Vec<LevelCell>, tree: &mut CellTree, known: &mut Known) -> Result<(), Error> {
         for &cell in &cells {
             tree.cells.insert(cell, State::Split);
+            known.at_probes.remove(&cell);
         }
         let children = cells.into_iter().flat_map(LevelCell::children).collect();
         self.decide(children, tree, known)
@@ -147,14 +156,15 @@ impl<D: SignedDistance> Judge<'_, D> {
         let free: Vec<f64> = layout.free().map(|node| known.distance.at(keys[node as usize])).collect();
         let distance = layout.complete(&free);
         let at_nodes = weights_at_nodes(layout.count(), &cells, &corners);
-        let of_node =
-            |(node, key): (usize, &Key)| known.volume.at(*key) - self.of_wall(at_nodes[node], distance[node]);
+        let of_node = |(node, key): (usize, &Key)| {
+            known.volume.at(*key) - at_nodes[node] * self.wall.volume(distance[node])
+        };
         let difference = keys.par_iter().enumerate().map(of_node).collect();
-        Ok(Numbered { levels, layout, cells, weights, corners, distance, difference })
+        Ok(Numbered { levels, layout, cells, weights, corners, keys, distance, difference })
     }
 
     /// The stored volume at the free nodes that fits best.
-    fn fitted(&self, of: &Numbered, known: &Known) -> Vec<f64> {
+    fn fitted(&self, of: &Numbered, known: &mut Known) -> Vec<f64> {
         let targets = |(own, cell): &(LevelCell, LayoutCell)| {
             let distance = cell.nodes.map(|node| of.distance[node as usize]);
             self.targets(*own, &distance, &of.corners.of(cell.number), known)
@@ -170,7 +180,15 @@ impl<D: SignedDistance> Judge<'_, D> {
             at_nodes: &of.difference,
             node_weights: &node_weights,
         };
-        fit.solve()
+        let nodes: Vec<(Key, f64)> =
+            of.layout.free().map(|node| (of.keys[node as usize], of.difference[node as usize])).collect();
+        let before = &known.fitted;
+        let start =
+            nodes.iter().map(|(key, exact)| exact + before.get(key).copied().unwrap_or(0.0)).collect();
+        let volume = fit.solve(start, if before.is_empty() { FIRST } else { AGAIN });
+        let added = nodes.iter().zip(&volume).map(|((key, exact), value)| (*key, value - exact));
+        known.fitted = added.collect();
+        volume
     }
 
     /// Cells whose errors are too large, with all constraints in place, and the largest as a part of its tolerance.
@@ -180,7 +198,7 @@ impl<D: SignedDistance> Judge<'_, D> {
             let at_nodes = |values: &[f64]| cell.nodes.map(|node| values[node as usize]);
             let weights = of.corners.of(cell.number);
             let fields = CellFields { distance: at_nodes(&of.distance), volume: at_nodes(&volume), weights };
-            let error = self.errors(*own, &fields, known).largest();
+            let error = self.error(*own, &fields, known);
             (error > self.in_place).then_some((*own, error))
         };
         of.cells.par_iter().filter_map(failing).collect()

@@ -9,6 +9,7 @@ use super::rows::Rows;
 use crate::layout::nodes::{Family, NodeInterval};
 use crate::layout::serendipity;
 use glam::DVec3;
+use std::sync::LazyLock;
 
 /// A node whose values are those of a cell of the next coarser level.
 #[derive(Clone, Copy, Debug)]
@@ -122,8 +123,10 @@ fn push(family: Family, point: [u32; 3], node: u32, owner: &Owner, out: &mut Vec
 /// Shape functions at all places that a constrained node can have.
 pub(super) struct Shapes(Vec<Vec<(usize, f64)>>);
 
+pub(super) static SHAPES: LazyLock<Shapes> = LazyLock::new(Shapes::new);
+
 impl Shapes {
-    pub fn new() -> Shapes {
+    fn new() -> Shapes {
         let place = |n: usize| [n % 7, n / 7 % 7, n / 49];
         let weights = |n: usize| {
             let xi = DVec3::from(place(n).map(|sixths| (sixths as f64 - 3.0) / 3.0));
