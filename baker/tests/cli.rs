@@ -647,6 +647,28 @@ fn adaptive_maps_have_the_same_bytes_on_any_threads_and_go_to_other_programs_and
 }
 
 #[test]
+fn a_file_of_a_given_size_has_the_least_error_that_fits() {
+    let folder = folder();
+    let duck = data("duck.obj");
+    let baked = |size: &str, limit: u64| {
+        let summary = output(volmap(&folder).arg("bake").arg(&duck).args(["--max-bytes", size, "-o", "a.h5"]));
+        let bytes = fs::metadata(folder.path().join("a.h5")).unwrap().len();
+        assert!(bytes <= limit && bytes * 10 >= limit * 8, "{size}: {bytes}\n{summary}");
+        assert!(summary.contains(&format!("size       {size} at most; tolerances that were tried: 1 %: ")));
+        let json = output(volmap(&folder).args(["info", "a.h5", "--json"]));
+        let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+        assert_eq!(json["bake"]["max_bytes"], limit);
+        json["bake"]["tolerance"].as_f64().unwrap()
+    };
+    assert!(baked("30.0 kB", 30_000) > 1.2 * baked("50.0 kB", 50_000));
+    let mut bake = volmap(&folder);
+    let refused = bake.arg("bake").arg(&duck).args(["--max-bytes", "1kB"]).output().unwrap();
+    let told = String::from_utf8_lossy(&refused.stderr);
+    assert!(!refused.status.success() && told.contains("--max-bytes: no map of this mesh fits into 1000 B"), "{told}");
+    assert!(told.contains("take a larger support radius"), "{told}");
+}
+
+#[test]
 fn a_density_is_baked_shown_and_asked_for() {
     let folder = folder();
     let options = ["--resolution", "16", "--density", "--kernel", "wendland", "--density-quadrature", "gl20"];

@@ -236,7 +236,7 @@ fn layer(low: DVec2, high: DVec2, radius: f64, settings: &AreaSettings) -> Resul
             (size / cells, cells)
         }
         GridChoice::CellSize(edge) => (DVec2::splat(edge), (size / edge - 1e-9).ceil().max(DVec2::ONE)),
-        GridChoice::FromRadius | GridChoice::Tolerance(_) => {
+        GridChoice::FromRadius | GridChoice::Tolerance(_) | GridChoice::Bytes(_) => {
             (DVec2::splat(0.5 * radius), (size / (0.5 * radius) - 1e-9).ceil().max(DVec2::ONE))
         }
     };

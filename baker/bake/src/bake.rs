@@ -29,7 +29,8 @@ pub use crate::recipe::BakeSettings;
 use crate::sdf::sign::SignChoice;
 use crate::sdf::thin::ThinPlaces;
 use crate::sdf::{BoundaryDistance, ChangedDistance, MeshDistance, SignComparison, SignedDistance};
-use crate::settings::{GridChoice, MapSettings, Tolerances};
+use crate::settings::{FileSize, GridChoice, MapSettings, Tolerances};
+use crate::sized::{Sized, least_error};
 use crate::stage::Stage;
 use crate::storage::stored_asset;
 pub use crate::summary::{CellCounts, Rounding, Summary};
@@ -66,6 +67,8 @@ pub struct PlannedBake {
     topology: Topology,
     extent: Extent,
     cells: Cells,
+    /// Bytes that the file may have, if the cells are searched for by that.
+    limit: Option<u64>,
     clock: Clock,
 }
 
@@ -75,6 +78,8 @@ enum Cells {
     Planned(Plan),
     /// By measuring, for these tolerances.
     Measured(Tolerances),
+    /// By measuring, for a file of this size.
+    Sized(FileSize),
 }
 
 /// Examines a mesh and plans its bake, before anything large is computed.
@@ -96,13 +101,14 @@ pub fn plan_bake(mut input: Input, settings: &BakeSettings, watch: &Watch) -> Re
     let extent = Extent { min, max, area };
     let cells = match settings.map.grid {
         GridChoice::Tolerance(tolerances) => Cells::Measured(tolerances),
+        GridChoice::Bytes(size) => Cells::Sized(size),
         _ => {
             let lengths = Lengths::of(&input, &extent, settings);
             Cells::Planned(plan(&extent, &settings.map).map_err(|error| lengths.explain(error))?)
         }
     };
     let settings = settings.clone();
-    Ok(PlannedBake { input, settings, repair, diagnosis, topology, extent, cells, clock })
+    Ok(PlannedBake { input, settings, repair, diagnosis, topology, extent, cells, limit: None, clock })
 }
 
 impl PlannedBake {
@@ -110,7 +116,7 @@ impl PlannedBake {
     pub fn plan(&self) -> Option<&Plan> {
         match &self.cells {
             Cells::Planned(plan) => Some(plan),
-            Cells::Measured(_) => None,
+            Cells::Measured(_) | Cells::Sized(_) => None,
         }
     }
 
@@ -137,8 +143,29 @@ impl PlannedBake {
     /// Bakes.
     ///
     /// # Errors
-    /// A tolerance that can't be reached; a band that is empty or too large; cancelled.
-    pub fn run(mut self, watch: &Watch) -> Result<Bake, Error> {
+    /// A tolerance or a size that can't be reached; a band that is empty or too large; cancelled.
+    pub fn run(self, watch: &Watch) -> Result<Bake, Error> {
+        match self.cells {
+            Cells::Sized(size) => {
+                let planned = PlannedBake { limit: Some(size.bytes), ..self };
+                let mut best =
+                    least_error(size, |tolerances| planned.for_tolerances(tolerances).run_once(watch))?;
+                best.summary.seconds = planned.clock.seconds();
+                Ok(best)
+            }
+            _ => self.run_once(watch),
+        }
+    }
+
+    /// The same bake with cells for these errors.
+    fn for_tolerances(&self, tolerances: Tolerances) -> PlannedBake {
+        let mut planned = self.clone();
+        planned.settings.map.grid = GridChoice::Tolerance(tolerances);
+        planned.cells = Cells::Measured(tolerances);
+        planned
+    }
+
+    fn run_once(mut self, watch: &Watch) -> Result<Bake, Error> {
         let map = &self.settings.map;
         let watch = &self.clock.beside(watch);
         // Phi, Eq. 10.
@@ -172,6 +199,7 @@ impl PlannedBake {
                 let (plan, maps, found) = search(&problem, map, tolerances.volume, watch)?;
                 (plan, maps, Some(found))
             }
+            Cells::Sized(_) => unreachable!("run takes tolerances"),
             Cells::Measured(tolerances) => {
                 let adapted = adapt(&problem, map, *tolerances, watch);
                 let adapted = adapted.map_err(|error| self.lengths().explain(error))?;
@@ -189,7 +217,7 @@ impl PlannedBake {
     fn described(self, baked: BakedMaps) -> Result<Bake, Error> {
         let BakedMaps { phi, plan, fields, tolerance, sign_comparison, thin } = baked;
         let lengths = self.lengths();
-        let PlannedBake { input, settings, repair, mut diagnosis, extent, clock, .. } = self;
+        let PlannedBake { input, settings, repair, mut diagnosis, extent, limit, clock, .. } = self;
         if phi.mesh.union_surface().is_some() && diagnosis.balanced {
             diagnosis.volume = phi.mesh.volume();
         }
@@ -208,6 +236,7 @@ impl PlannedBake {
             nodes: fields.distance().len(),
             tolerance,
             adapted: fields.adapted().cloned(),
+            sized: limit.map(|limit| Sized { limit, tried: Vec::new() }),
             field_bytes: fields.bytes(&plan, &settings.map),
             density: settings.map.density,
             rounding: None,
@@ -263,11 +292,13 @@ pub fn bake_distance(
     settings: &MapSettings,
     watch: &Watch,
 ) -> Result<Asset, Error> {
-    if let GridChoice::Tolerance(_) = settings.grid {
-        return Err(Error::setting(
-            "tolerance",
-            "is searched for on a mesh; choose the cells in another way",
-        ));
+    let searched = match settings.grid {
+        GridChoice::Tolerance(_) => Some("tolerance"),
+        GridChoice::Bytes(_) => Some("max_bytes"),
+        _ => None,
+    };
+    if let Some(parameter) = searched {
+        return Err(Error::setting(parameter, "is searched for on a mesh; choose the cells in another way"));
     }
     let plan = plan(extent, settings)?;
     let phi = ChangedDistance { phi, invert: settings.invert, thickness: settings.thickness };

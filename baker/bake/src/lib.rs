@@ -99,6 +99,7 @@ pub mod recipe;
 pub mod rows;
 pub mod sdf;
 pub mod settings;
+pub mod sized;
 pub mod stage;
 mod storage;
 pub mod summary;

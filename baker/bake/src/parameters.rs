@@ -34,7 +34,7 @@ use crate::plan::{GridChoice, Precision};
 use crate::primitive::Primitive;
 use crate::recipe::Recipe;
 use crate::sdf::SignMethod;
-use crate::settings::Tolerances;
+use crate::settings::{FileSize, Tolerances};
 use crate::volume_map::quadrature::Rule;
 use attribute::{reals, text};
 use row::parameters;
@@ -141,7 +141,7 @@ parameters! {
         default: "ten times `tolerance`",
         placeholder: "FRACTION",
         example: "5%",
-        excludes: &UNIFORM,
+        excludes: &OTHER_CELLS,
         key: |recipe| Some(match recipe.bake.map.grid {
             GridChoice::Tolerance(tolerances) => format!("{:?}", tolerances.distance),
             _ => "none".into(),
@@ -157,7 +157,7 @@ parameters! {
         apply: |recipe, angle| recipe.bake.map.grid.tolerances_mut().normal = Some(angle.0.to_radians()),
         placeholder: "ANGLE",
         example: "30deg",
-        excludes: &UNIFORM,
+        excludes: &OTHER_CELLS,
         key: |recipe| Some(match recipe.bake.map.grid {
             GridChoice::Tolerance(tolerances) => format!("{:?}", tolerances.normal),
             _ => "none".into(),
@@ -167,6 +167,26 @@ parameters! {
                 vec![("normal_tolerance", angle.to_degrees().into())]
             }
             _ => Vec::new(),
+        },
+    }
+
+    /// Cells of several sizes, for the least error that a file of this size can have: 500kB. Numbers have 16 bits then,
+    /// unless `precision` or `max_rounding` says otherwise
+    max_bytes: ByteSize {
+        apply: |recipe, size| {
+            recipe.bake.map.grid = GridChoice::Bytes(FileSize { bytes: size.0, ..FileSize::default() });
+            recipe.bake.map.precision = Precision::SHORTEST;
+        },
+        placeholder: "SIZE",
+        example: "500kB",
+        group: Some(Group::Cells),
+        key: |recipe| Some(match recipe.bake.map.grid {
+            GridChoice::Bytes(size) => size.bytes.to_string(),
+            _ => "none".into(),
+        }),
+        describe: |baked| {
+            let size = baked.summary.sized.as_ref().map(|sized| Value::from(sized.limit));
+            size.map(|bytes| ("max_bytes", bytes)).into_iter().collect()
         },
     }
 
@@ -477,8 +497,8 @@ parameters! {
     }
 }
 
-/// What gives cells of one size.
-const UNIFORM: [&str; 2] = ["resolution", "cell_size"];
+/// What gives the cells in another way than by tolerances.
+const OTHER_CELLS: [&str; 3] = ["resolution", "cell_size", "max_bytes"];
 
 /// Numbers of 16 bits gain 5 % from a higher level, others less than 1 %.
 const ZSTD_OF_ROUNDED: Compression = Compression::Zstd(5);
@@ -504,6 +524,9 @@ impl Parameters {
         self.given().for_each(|row| (row.apply)(self, &mut recipe));
         if recipe.bake.map.density.is_some() && !self.gives(Group::Precision) {
             recipe.bake.map.precision = Precision::default();
+        }
+        if let GridChoice::Bytes(size) = &mut recipe.bake.map.grid {
+            size.compression = recipe.compression;
         }
         recipe
     }

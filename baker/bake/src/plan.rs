@@ -184,7 +184,9 @@ fn domain(needed: [DVec3; 2], settings: &MapSettings) -> Result<[DVec3; 2], Erro
 fn grid(low: DVec3, high: DVec3, support_radius: f64, settings: &MapSettings) -> Result<Grid, Error> {
     let extent = high - low;
     let (parameter, edge) = match settings.grid {
-        GridChoice::FromRadius | GridChoice::Tolerance(_) => ("support_radius", 0.5 * support_radius),
+        GridChoice::FromRadius | GridChoice::Tolerance(_) | GridChoice::Bytes(_) => {
+            ("support_radius", 0.5 * support_radius)
+        }
         GridChoice::CellSize(edge) => ("cell_size", edge),
         GridChoice::Resolution(cells) => {
             let resolution = UVec3::from(cells);

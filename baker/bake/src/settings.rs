@@ -4,6 +4,7 @@ pub mod density;
 
 use crate::volume_map::quadrature::Rule;
 pub use density::DensitySettings;
+use volmap_formats::asset::Compression;
 
 /// How the cells are chosen.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -19,6 +20,17 @@ pub enum GridChoice {
     /// adaptive form, the largest cubes whose volume is this exact: `tolerance` finds those.
     /// A plan of its own takes them as [`GridChoice::FromRadius`].
     Tolerance(Tolerances),
+    /// The same for the least errors that a file of this size can have: `sized` finds those.
+    Bytes(FileSize),
+}
+
+/// How large an asset's file may be.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FileSize {
+    /// At most.
+    pub bytes: u64,
+    /// How it is compressed.
+    pub compression: Compression,
 }
 
 /// Tolerances of the volume that can be asked for: parts of the full ball.
@@ -88,6 +100,8 @@ impl Precision {
     const PARTS: f64 = 40.0;
     /// The least rounding at which 16 bits hold the distances at the nodes of the largest adaptive cells.
     const LEAST: f64 = 1.5e-4;
+    /// Where bytes count more than anything else.
+    pub const SHORTEST: Precision = Precision::Rounded(Precision::LEAST);
 
     /// The shortest numbers that leave nearly all of a tolerance of the volume to other errors.
     pub fn of_tolerance(volume: f64) -> Precision {

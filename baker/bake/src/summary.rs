@@ -10,6 +10,7 @@ use crate::sdf::sign::SignChoice;
 use crate::sdf::sign_comparison::SignComparison;
 use crate::sdf::thin::ThinPlaces;
 use crate::settings::density::DensitySettings;
+use crate::sized::Sized;
 pub use crate::storage::Rounding;
 use crate::tolerance::Found;
 use glam::DVec3;
@@ -58,6 +59,8 @@ pub struct Summary {
     pub tolerance: Option<Found>,
     /// How cells of several sizes were found.
     pub adapted: Option<Adapted>,
+    /// How the tolerance was found, if the file's size was given.
+    pub sized: Option<Sized>,
     /// Bytes of all fields if every cell of the grid were stored, and for the band alone.
     pub field_bytes: [u64; 2],
     /// How the density was computed, if it was.
@@ -150,6 +153,9 @@ impl Summary {
         }
         if let Some(found) = &self.tolerance {
             writeln!(f, "tolerance  {}", found_cells(found))?;
+        }
+        if let Some(sized) = &self.sized {
+            writeln!(f, "size       {}", found_size(sized))?;
         }
         let [dense, sparse] = self.field_bytes;
         writeln!(f, "memory     {} dense, {} sparse", bytes(dense), bytes(sparse))
@@ -308,6 +314,13 @@ fn found_cells(found: &Found) -> String {
         found.reference,
         tried.join(", ")
     )
+}
+
+/// What the search for the size found.
+fn found_size(Sized { limit, tried }: &Sized) -> String {
+    let tried: Vec<String> =
+        tried.iter().map(|(tolerance, size)| format!("{}: {}", percent(*tolerance), bytes(*size))).collect();
+    format!("{} at most; tolerances that were tried: {}", bytes(*limit), tried.join(", "))
 }
 
 fn edges([x, y, z]: [f64; 3]) -> String {

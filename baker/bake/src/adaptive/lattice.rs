@@ -2,6 +2,7 @@
 
 use super::probes::{self, PROBES};
 use glam::{DVec3, UVec3};
+use std::hash::{Hash, Hasher};
 use volmap_runtime::Grid;
 use volmap_runtime::layout::serendipity::{NODES, THIRDS};
 
@@ -9,8 +10,16 @@ use volmap_runtime::layout::serendipity::{NODES, THIRDS};
 const BITS: u32 = 21;
 
 /// A point of the lattice, by its coordinates' bits in turn (Morton 1966): points with near keys lie close together.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Key(u64);
+
+impl Hash for Key {
+    /// Points of coarse levels differ in their high bits only; a hash that multiplies would put them all in few places.
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        let folded = (self.0 ^ self.0 >> 32).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        state.write_u64(folded ^ folded >> 29);
+    }
+}
 
 /// A cell of a level: (i, j, k) on the lattice of cells of cell_size / 2^level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -168,7 +168,9 @@ fn parameters(asset: &Asset, placement: OutlinePlacement, settings: &AreaSetting
     let grid = match settings.grid {
         GridChoice::Resolution([x, y, _]) => format!("resolution {x},{y}"),
         GridChoice::CellSize(edge) => format!("cell size {edge}"),
-        GridChoice::FromRadius | GridChoice::Tolerance(_) => "from support radius".to_owned(),
+        GridChoice::FromRadius | GridChoice::Tolerance(_) | GridChoice::Bytes(_) => {
+            "from support radius".to_owned()
+        }
     };
     let mut out = attributes([
         ("support_radius", asset.support_radius.into()),
