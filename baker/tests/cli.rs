@@ -651,7 +651,8 @@ fn a_file_of_a_given_size_has_the_least_error_that_fits() {
     let folder = folder();
     let duck = data("duck.obj");
     let baked = |size: &str, limit: u64| {
-        let summary = output(volmap(&folder).arg("bake").arg(&duck).args(["--max-bytes", size, "-o", "a.h5"]));
+        let summary =
+            output(volmap(&folder).arg("bake").arg(&duck).args(["--max-bytes", size, "-o", "a.h5"]));
         let bytes = fs::metadata(folder.path().join("a.h5")).unwrap().len();
         assert!(bytes <= limit && bytes * 10 >= limit * 8, "{size}: {bytes}\n{summary}");
         assert!(summary.contains(&format!("size       {size} at most; tolerances that were tried: 1 %: ")));
@@ -664,7 +665,10 @@ fn a_file_of_a_given_size_has_the_least_error_that_fits() {
     let mut bake = volmap(&folder);
     let refused = bake.arg("bake").arg(&duck).args(["--max-bytes", "1kB"]).output().unwrap();
     let told = String::from_utf8_lossy(&refused.stderr);
-    assert!(!refused.status.success() && told.contains("--max-bytes: no map of this mesh fits into 1000 B"), "{told}");
+    assert!(
+        !refused.status.success() && told.contains("--max-bytes: no map of this mesh fits into 1000 B"),
+        "{told}"
+    );
     assert!(told.contains("take a larger support radius"), "{told}");
 }
 

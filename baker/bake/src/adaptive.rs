@@ -12,10 +12,12 @@
 mod cells;
 mod distance_tree;
 mod fit;
+mod in_place;
 mod known;
 mod lattice;
 mod measure;
 mod probes;
+mod region;
 mod samples;
 mod settle;
 mod stored;

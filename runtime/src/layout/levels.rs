@@ -197,8 +197,21 @@ impl Levels {
 
     /// The values at all nodes, from those at the free ones. Panics if they are fewer.
     pub fn complete(&self, free: &[f64]) -> Vec<f64> {
-        let free = free[..self.free_count].iter().map(|&value| [value]);
-        self.complete_all(free, |value| value, |value| value).into_iter().flatten().collect()
+        let mut all = Vec::new();
+        self.complete_into(free, &mut all);
+        all
+    }
+
+    /// The same in memory that is there already.
+    pub fn complete_into(&self, free: &[f64], all: &mut Vec<f64>) {
+        all.resize(self.count(), 0.0);
+        for (number, value) in self.free().zip(&free[..self.free_count]) {
+            all[number as usize] = *value;
+        }
+        let shapes = &*constrain::SHAPES;
+        self.constrain(|node, at, numbers| {
+            all[node] = shapes.parts(at.sixths).map(|(a, part)| part * all[numbers[a] as usize]).sum();
+        });
     }
 
     /// The same of several fields at once, which are computed in double precision.
@@ -220,9 +233,8 @@ impl Levels {
     }
 
     /// The transposed of [`Levels::complete`]: numbers at all nodes, those at constrained ones shared out to the nodes that
-    /// they follow from, at the free ones. What a fit of the free values needs.
-    pub fn share_out(&self, all: &[f64]) -> Vec<f64> {
-        let mut all = all.to_vec();
+    /// they follow from, at the free ones. What a fit of the free values needs. The numbers given are used up.
+    pub fn share_out(&self, all: &mut [f64]) -> Vec<f64> {
         let shapes = &*constrain::SHAPES;
         for pair in self.levels.windows(2).rev() {
             let (coarse, level) = (&pair[0], &pair[1]);

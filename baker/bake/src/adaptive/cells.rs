@@ -1,6 +1,5 @@
 //! The tree of a map's cells: split where measured errors are too large, and balanced.
 
-use super::fit::Targets;
 use super::known::Known;
 use super::lattice::{FineLattice, LevelCell};
 use super::measure::exact_normal;
@@ -72,6 +71,8 @@ pub struct Judge<'a, D> {
 pub struct CellTree {
     /// Those of all levels, split ones too.
     pub cells: FxHashMap<LevelCell, State>,
+    /// Those of the band that were added since the last fit.
+    pub new: Vec<LevelCell>,
 }
 
 /// Smaller cells aren't split for the normal, in support radii: beside a kink of the distance it is never right.
@@ -80,8 +81,6 @@ const NORMALS_DOWN_TO: f64 = 0.25;
 pub const DEPTH: f64 = 0.1;
 /// Errors of a cubic through the nodes that a fit brings below the tolerance.
 const BY_FIT: f64 = 3.0;
-/// How much a place counts in a fit where no fluid is.
-pub const REST: f64 = 0.05;
 /// About: of a sample, and of a cell.
 const BYTES_PER_SAMPLE: u64 = 40;
 const BYTES_PER_CELL: u64 = 600;
@@ -102,6 +101,9 @@ impl<D: SignedDistance> Judge<'_, D> {
             let mut next = Vec::new();
             for (cell, (state, exact)) in cells.into_iter().zip(states) {
                 tree.cells.insert(cell, state);
+                if let State::Band(_) = state {
+                    tree.new.push(cell);
+                }
                 exact.map(|exact| known.at_probes.insert(cell, exact));
                 if state == State::Split {
                     next.extend(cell.children());
@@ -246,21 +248,23 @@ impl<D: SignedDistance> Judge<'_, D> {
         (-DEPTH * self.radius..=2.0 * self.radius).contains(&phi)
     }
 
-    /// What the stored volume should be at a cell's probes.
+    /// What the stored volume should be at a cell's probes, m^3.
     pub fn targets(
         &self,
         cell: LevelCell,
         distance: &[f64; NODES],
         weights: &[f64; 8],
         known: &Known,
-    ) -> Targets {
-        let exact = &known.at_probes[&cell];
-        let mut values = exact.volume.map(f64::from);
+    ) -> [f64; probes::COUNT] {
+        let mut values = known.at_probes[&cell].volume.map(f64::from);
         self.of_wall(weights, distance, |probe, wall| values[probe] -= wall);
-        Targets {
-            values,
-            weights: exact.distance.map(|phi| if self.counts(f64::from(phi)) { 1.0 } else { REST }),
-        }
+        values
+    }
+
+    /// At which of a cell's probes fluid can be, bit by bit.
+    pub fn in_fluid(&self, cell: LevelCell, known: &Known) -> u32 {
+        let probes = known.at_probes[&cell].distance.iter().enumerate();
+        probes.map(|(probe, phi)| u32::from(self.counts(f64::from(*phi))) << probe).sum()
     }
 
     /// Error of the normal at a probe as a part of the tolerance; 0 if that isn't asked for, or at a kink.
@@ -349,7 +353,7 @@ impl CellTree {
     }
 
     /// The cell of the band that holds a place where the tree ends at a coarser level.
-    fn coarser_at(&self, place: LevelCell) -> Option<LevelCell> {
+    pub fn coarser_at(&self, place: LevelCell) -> Option<LevelCell> {
         let mut near = place;
         while !self.cells.contains_key(&near) {
             if near.level == 0 {

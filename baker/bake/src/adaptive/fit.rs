@@ -3,8 +3,9 @@
 //! A cubic through the nodes misses by most in the middle of a cell, and always to one side; the best cubic misses by half
 //! of that. And the traces of coarse cells, which finer neighbours take over, are those that suit both.
 //!
-//! Conjugate gradients on the normal equations (Bjorck and Elfving 1979, CGLS), from the values at the nodes on, or the fit
-//! of the round before: few steps suffice, for every number has its say near by only.
+//! Conjugate gradients (Hestenes and Stiefel 1952) on the normal equations, from the values at the nodes on, or the fit of
+//! the round before: few steps suffice, for every number has its say near by only. Cell by cell, the equations' matrix is
+//! the polynomial's values at the probes, weighted, shared out to the nodes again.
 
 use super::probes;
 use rayon::prelude::*;
@@ -14,117 +15,117 @@ use volmap_runtime::layout::serendipity::NODES;
 /// Steps of conjugate gradients, from the values at the nodes and from a fit.
 pub const FIRST: usize = 8;
 pub const AGAIN: usize = 4;
+/// Cells whose shares are computed before they are added.
+const CHUNK: usize = 1 << 13;
 
-/// What is known at a cell's probes.
-#[derive(Clone, Copy, Debug)]
-pub struct Targets {
-    /// The number that the fit should have there.
-    pub values: [f64; probes::COUNT],
-    /// How much that counts.
-    pub weights: [f64; probes::COUNT],
-}
+/// How much a place counts where no fluid is, squared.
+const REST: f64 = 0.05 * 0.05;
 
 /// A fit to be found.
-pub struct Fit<'a> {
+pub struct Fit<'a, T> {
     /// The nodes.
     pub layout: &'a Levels,
     /// The nodes of each cell.
     pub cells: &'a [[u32; NODES]],
-    /// By cell.
-    pub targets: &'a [Targets],
+    /// What the fit should have at a cell's probes, by its place among the cells.
+    pub targets: T,
+    /// Which of each cell's probes can have fluid, bit by bit.
+    pub in_fluid: &'a [u32],
     /// At all nodes, constrained ones too.
     pub at_nodes: &'a [f64],
-    /// How much they count.
-    pub node_weights: &'a [f64],
+    /// Which of them can have fluid.
+    pub nodes_in_fluid: &'a [bool],
+    /// Free nodes that hold their values.
+    pub fixed: &'a [bool],
 }
 
-/// Weighted differences at probes and nodes.
-struct Differences {
-    probes: Vec<[f64; probes::COUNT]>,
-    nodes: Vec<f64>,
-}
-
-impl Fit<'_> {
+impl<T: Fn(usize) -> [f64; probes::COUNT] + Sync> Fit<'_, T> {
     /// The values at the free nodes, in steps from others there.
     pub fn solve(&self, mut x: Vec<f64>, steps: usize) -> Vec<f64> {
-        let mut rest = self.missing(&x);
-        let mut slope = self.shared_out(&rest);
-        let mut direction = slope.clone();
-        let mut size = square(&slope);
+        let mut room = Room::default();
+        let mut rest = self.missing(&x, &mut room);
+        let mut direction = rest.clone();
+        let mut size = product(&rest, &rest);
         for _ in 0..steps {
-            let change = self.applied(&direction);
-            let length = change.square();
+            let change = self.applied(&direction, &mut room);
+            let length = product(&direction, &change);
             if !(length > 0.0 && size > 0.0) {
                 break;
             }
             let step = size / length;
             x.iter_mut().zip(&direction).for_each(|(x, d)| *x += step * d);
-            rest.subtract(step, &change);
-            slope = self.shared_out(&rest);
-            let (before, now) = (size, square(&slope));
+            rest.iter_mut().zip(&change).for_each(|(rest, change)| *rest -= step * change);
+            let (before, now) = (size, product(&rest, &rest));
             size = now;
-            direction.iter_mut().zip(&slope).for_each(|(d, s)| *d = s + now / before * *d);
+            direction.iter_mut().zip(&rest).for_each(|(d, rest)| *d = rest + now / before * *d);
         }
         x
     }
 
-    /// W (b - A x).
-    fn missing(&self, x: &[f64]) -> Differences {
-        let mut out = self.applied(x);
-        let targets = out.probes.par_iter_mut().zip(self.targets);
-        targets.for_each(|(own, targets)| {
-            for (own, (value, weight)) in own.iter_mut().zip(targets.values.iter().zip(&targets.weights)) {
-                *own = weight * value - *own;
+    /// A^T W^2 (b - A x).
+    fn missing(&self, x: &[f64], room: &mut Room) -> Vec<f64> {
+        let at_probes = |cell: usize, values: [f64; probes::COUNT]| {
+            let targets = (self.targets)(cell);
+            std::array::from_fn(|n| self.weight(cell, n) * (targets[n] - values[n]))
+        };
+        self.pass(x, room, |node, x| self.node_weight(node) * (self.at_nodes[node] - x), at_probes)
+    }
+
+    /// A^T W^2 A x.
+    fn applied(&self, x: &[f64], room: &mut Room) -> Vec<f64> {
+        let at_probes = |cell: usize, values: [f64; probes::COUNT]| {
+            std::array::from_fn(|n| self.weight(cell, n) * values[n])
+        };
+        self.pass(x, room, |node, x| self.node_weight(node) * x, at_probes)
+    }
+
+    fn weight(&self, cell: usize, probe: usize) -> f64 {
+        if self.in_fluid[cell] >> probe & 1 == 1 { 1.0 } else { REST }
+    }
+
+    fn node_weight(&self, node: usize) -> f64 {
+        if self.nodes_in_fluid[node] { 1.0 } else { REST }
+    }
+
+    /// A^T of what is made of A x: `at_node` of a node and its value, `at_probes` of a cell and its values.
+    fn pass(
+        &self,
+        x: &[f64],
+        room: &mut Room,
+        at_node: impl Fn(usize, f64) -> f64,
+        at_probes: impl Fn(usize, [f64; probes::COUNT]) -> [f64; probes::COUNT] + Sync,
+    ) -> Vec<f64> {
+        let Room { all, sums, shares } = room;
+        self.layout.complete_into(x, all);
+        sums.clear();
+        sums.extend(all.iter().enumerate().map(|(own, x)| at_node(own, *x)));
+        for (chunk, cells) in self.cells.chunks(CHUNK).enumerate() {
+            let share = |(n, nodes): (usize, &[u32; NODES])| {
+                let values = probes::values(&nodes.map(|node| all[node as usize]));
+                probes::shared_out(&at_probes(CHUNK * chunk + n, values))
+            };
+            cells.par_iter().enumerate().map(share).collect_into_vec(shares);
+            for (nodes, shares) in cells.iter().zip(&*shares) {
+                nodes.iter().zip(shares).for_each(|(node, share)| sums[*node as usize] += share);
             }
-        });
-        let nodes = self.at_nodes.iter().zip(self.node_weights);
-        out.nodes.iter_mut().zip(nodes).for_each(|(own, (value, weight))| *own = weight * value - *own);
-        out
-    }
-
-    /// W A x.
-    fn applied(&self, x: &[f64]) -> Differences {
-        let all = self.layout.complete(x);
-        let of_cell = |(nodes, targets): (&[u32; NODES], &Targets)| {
-            let mut values = probes::values(&nodes.map(|node| all[node as usize]));
-            values.iter_mut().zip(&targets.weights).for_each(|(value, weight)| *value *= weight);
-            values
-        };
-        let probes = self.cells.par_iter().zip(self.targets).map(of_cell).collect();
-        let nodes = all.iter().zip(self.node_weights).map(|(value, weight)| weight * value).collect();
-        Differences { probes, nodes }
-    }
-
-    /// (W A)^T times differences.
-    fn shared_out(&self, of: &Differences) -> Vec<f64> {
-        let mut all: Vec<f64> =
-            of.nodes.iter().zip(self.node_weights).map(|(d, weight)| weight * d).collect();
-        let of_cell = |(targets, own): (&Targets, &[f64; probes::COUNT])| {
-            let mut weighted = *own;
-            weighted.iter_mut().zip(&targets.weights).for_each(|(own, weight)| *own *= weight);
-            probes::shared_out(&weighted)
-        };
-        let sums: Vec<[f64; NODES]> = self.targets.par_iter().zip(&of.probes).map(of_cell).collect();
-        for (nodes, sums) in self.cells.iter().zip(&sums) {
-            nodes.iter().zip(sums).for_each(|(node, sum)| all[*node as usize] += sum);
         }
-        self.layout.share_out(&all)
+        let mut free = self.layout.share_out(sums);
+        free.iter_mut().zip(self.fixed).filter(|(_, fixed)| **fixed).for_each(|(slope, _)| *slope = 0.0);
+        free
     }
 }
 
-impl Differences {
-    fn square(&self) -> f64 {
-        let probes: f64 = self.probes.iter().flatten().map(|x| x * x).sum();
-        probes + square(&self.nodes)
-    }
-
-    fn subtract(&mut self, factor: f64, other: &Differences) {
-        let probes = self.probes.iter_mut().flatten().zip(other.probes.iter().flatten());
-        probes.for_each(|(own, other)| *own -= factor * other);
-        self.nodes.iter_mut().zip(&other.nodes).for_each(|(own, other)| *own -= factor * other);
-    }
+/// Memory that passes use again.
+#[derive(Default)]
+struct Room {
+    /// Values at all nodes.
+    all: Vec<f64>,
+    /// Shares of all nodes.
+    sums: Vec<f64>,
+    /// Those of the cells of a chunk.
+    shares: Vec<[f64; NODES]>,
 }
 
-fn square(numbers: &[f64]) -> f64 {
-    numbers.iter().map(|x| x * x).sum()
+fn product(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

@@ -24,8 +24,19 @@ pub struct Known {
     pub volume: Samples,
     /// The same at the probes of cells of the band.
     pub at_probes: FxHashMap<LevelCell, Exact>,
-    /// What the last fit added to the stored volume at nodes, m^3.
-    pub fitted: FxHashMap<Key, f64>,
+    /// The last fits at nodes.
+    pub fitted: FxHashMap<Key, Fitted>,
+}
+
+/// What a fit found at a node.
+#[derive(Clone, Copy, Debug)]
+pub struct Fitted {
+    /// Phi of the map, metres.
+    pub distance: f64,
+    /// The stored volume, m^3.
+    pub volume: f64,
+    /// What that is more than the exact one.
+    pub added: f64,
 }
 
 /// Largest error of V in cells of half of the support radius, parts of the ball.

@@ -1,0 +1,71 @@
+//! The cells around those that are new: a fit changes little farther away.
+
+use super::cells::{CellTree, State};
+use super::lattice::LevelCell;
+use glam::{IVec3, UVec3};
+use rustc_hash::FxHashMap;
+
+/// Cells of the band around new ones, and how many steps from neighbour to neighbour away.
+pub type Region = FxHashMap<LevelCell, u8>;
+
+/// Steps of the cells that are fitted; those one step farther hold their values.
+pub const FITTED: u8 = 2;
+/// Regions of more than this part of all cells gain nothing.
+const LARGEST: f64 = 0.4;
+
+impl CellTree {
+    /// Takes the list of new cells; none if all are to be fitted.
+    pub fn around_new(&mut self, resolution: UVec3) -> Option<Region> {
+        let new = std::mem::take(&mut self.new);
+        let band = |state: &&State| matches!(state, State::Band(_));
+        let most = LARGEST * self.cells.values().filter(band).count() as f64;
+        let new = new.into_iter().filter(|cell| matches!(self.cells[cell], State::Band(_)));
+        let mut region: Region = new.map(|cell| (cell, 0)).collect();
+        let mut last: Vec<LevelCell> = region.keys().copied().collect();
+        for step in 1..=FITTED + 1 {
+            let mut next = Vec::new();
+            for cell in last {
+                self.each_touching(cell, resolution, |other| {
+                    if !region.contains_key(&other) {
+                        region.insert(other, step);
+                        next.push(other);
+                    }
+                });
+                if region.len() as f64 > most {
+                    return None;
+                }
+            }
+            last = next;
+        }
+        Some(region)
+    }
+
+    /// Every cell of the band that a balanced cell touches.
+    fn each_touching(&self, cell: LevelCell, resolution: UVec3, mut each: impl FnMut(LevelCell)) {
+        let size = (resolution << cell.level).as_ivec3();
+        for step in (0..27).map(|n| IVec3::new(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1)) {
+            let at = cell.at.as_ivec3() + step;
+            if step == IVec3::ZERO || at.cmplt(IVec3::ZERO).any() || at.cmpge(size).any() {
+                continue;
+            }
+            let place = LevelCell { level: cell.level, at: at.as_uvec3() };
+            match self.cells.get(&place) {
+                Some(State::Band(_)) => each(place),
+                Some(State::Split) => {
+                    let children = place.children().into_iter().filter(|child| is_beside(*child, step));
+                    let band = |child: &LevelCell| matches!(self.cells.get(child), Some(State::Band(_)));
+                    children.filter(band).for_each(&mut each);
+                }
+                Some(State::Solid | State::Fluid) => {}
+                None => self.coarser_at(place).into_iter().for_each(&mut each),
+            }
+        }
+    }
+}
+
+/// Whether a child of the cell in this direction is on the near side.
+fn is_beside(child: LevelCell, step: IVec3) -> bool {
+    let side = (child.at & 1).as_ivec3();
+    let far = IVec3::select(step.cmpgt(IVec3::ZERO), IVec3::ONE, IVec3::ZERO);
+    step.cmpeq(IVec3::ZERO).bitmask() | side.cmpne(far).bitmask() == 7
+}
