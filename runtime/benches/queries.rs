@@ -1,4 +1,5 @@
-//! Nanoseconds a point and milliseconds an opening, one thread: `cargo bench -p volmap-runtime`.
+//! Nanoseconds a point and milliseconds an opening, one thread: `cargo bench -p volmap-runtime`. With assets after `--`
+//! those are compared instead, at the particles that a fluid of spacing r or 2 r has near their walls, in turns.
 //!
 //! The map is a torus made from closed forms. Every round measures every way once, so that what else the machine
 //! does hits all alike; the table gives medians. `BENCHMARKS.md` says what the numbers mean.
@@ -10,7 +11,7 @@ use analytic::{Oracle, Random, adaptive_asset, asset, single};
 use std::hint::black_box;
 use std::time::Instant;
 use volmap_formats::asset::{Asset, CellRun, GridSpec};
-use volmap_runtime::{DVec3, Grid, Sample, Values, VolumeMap};
+use volmap_runtime::{DVec3, Grid, Sample, SurfaceWithGradient, Values, VolumeMap};
 
 const ROUNDS: usize = 31;
 const POINTS: usize = 50_000;
@@ -121,7 +122,56 @@ fn report(name: &str, asset: &Asset) {
     }
 }
 
+/// Places of a jittered lattice, sorted by cells of 4 r as a solver's search does, where a map has 0 < Phi < 2 r.
+fn fluid(map: &VolumeMap, spacing: f64) -> Vec<DVec3> {
+    let mut random = Random(1);
+    let (origin, size) = (map.grid().origin, map.grid().max_corner() - map.grid().origin);
+    let [nx, ny, nz] = (size / spacing).floor().as_u64vec3().to_array();
+    let mut points = Vec::new();
+    for (i, j, k) in (0..nx).flat_map(|i| (0..ny).flat_map(move |j| (0..nz).map(move |k| (i, j, k)))) {
+        let place = DVec3::new(i as f64, j as f64, k as f64) + 0.5;
+        let point = origin + spacing * (place + 0.2 * random.point(DVec3::NEG_ONE, DVec3::ONE));
+        if map
+            .sample(point)
+            .near()
+            .is_some_and(|at| at.distance > 0.0 && at.distance < 2.0 * map.support_radius())
+        {
+            points.push(point);
+        }
+    }
+    points.sort_by_key(|&x| {
+        let cell = ((x - origin) / (4.0 * map.support_radius())).as_u64vec3();
+        (cell.z, cell.y, cell.x)
+    });
+    points
+}
+
+/// Batches with the volume's gradient on several maps of one shape.
+fn compare(paths: &[String]) {
+    let maps: Vec<VolumeMap> = paths.iter().map(|path| VolumeMap::open(path).unwrap()).collect();
+    for spacings in [1.0, 2.0] {
+        let points = fluid(&maps[0], spacings * maps[0].support_radius());
+        println!("{} points of spacing {spacings} r", points.len());
+        let mut out = Vec::<Sample<SurfaceWithGradient>>::new();
+        let mut times: Vec<Vec<f64>> = vec![Vec::new(); maps.len()];
+        for _ in 0..ROUNDS {
+            for (map, times) in maps.iter().zip(&mut times) {
+                times.push(seconds(|| map.sample_batch(&points, &mut out)));
+                black_box(&out);
+            }
+        }
+        for ((path, map), times) in paths.iter().zip(&maps).zip(times) {
+            let ns = 1e9 * median(times) / points.len() as f64;
+            println!("  {ns:6.1} ns, {:8.2} MB, {path}", map.memory_bytes() as f64 / 1e6);
+        }
+    }
+}
+
 fn main() {
+    let given: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with('-')).collect();
+    if !given.is_empty() {
+        return compare(&given);
+    }
     println!(
         "{POINTS} points with 0 < Phi < 2 r, medians of {ROUNDS} rounds, ns a point; from_asset in ms; MB in memory"
     );

@@ -36,8 +36,6 @@ struct Facts {
     /// Cells of its uniform maps in their support radius. Where two walls meet, the map's distance is too small by up to
     /// a quarter of a cell: closures that go by the distance need smaller cells than those that go by the volume.
     cells_per_map_radius: f64,
-    /// Factor on the cells' edge for bodies that turn.
-    turning: f64,
     /// Errors that its adaptive maps may have.
     errors: MapErrors,
     /// Whether its density has a mirrored pressure in it.
@@ -49,7 +47,9 @@ struct Facts {
     new: fn(&Setup) -> Arc<dyn Model>,
 }
 
-/// How exact a closure needs its maps.
+/// How exact a closure needs its maps. Between its nodes a map's wall is rough, and a body that turns stirs the fluid by
+/// that: with these errors by no more than equal cells of the closure's size do, for smooth walls are stored as their
+/// difference from flat ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MapErrors {
     /// Largest error of the volume, as a part of the full ball's.
@@ -64,7 +64,6 @@ const USUAL: Facts = Facts {
     name: "calibrated",
     radii_per_map_radius: 1.0,
     cells_per_map_radius: 4.0,
-    turning: 1.0,
     errors: MapErrors { volume: 5e-3, distance: 0.04 },
     has_image: false,
     is_in_plane: false,
@@ -91,7 +90,6 @@ const TABLE: [Facts; 6] = [
         name: "mirror",
         radii_per_map_radius: image::MAPS_PER_RADIUS,
         cells_per_map_radius: 2.0,
-        turning: 2.0 / 3.0,
         errors: MapErrors { volume: 1e-2, distance: 0.3 },
         has_image: true,
         is_in_plane: true,
@@ -151,12 +149,6 @@ impl ClosureKind {
     /// The edge (metres) that cells of its uniform maps should have, at most, for a kernel of this support radius.
     pub fn cell_size(self, support_radius: f64) -> f64 {
         self.map_radius(support_radius) / self.facts().cells_per_map_radius
-    }
-
-    /// The same for bodies that turn by themselves. Between its nodes a map's wall is rough by some thousandths of the
-    /// particle radius; a body that turns stirs the fluid by that, the less the smaller its cells are.
-    pub fn cell_size_of_turning(self, support_radius: f64) -> f64 {
-        self.facts().turning * self.cell_size(support_radius)
     }
 
     pub(super) fn model(self, setup: &Setup) -> Arc<dyn Model> {

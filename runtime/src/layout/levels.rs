@@ -23,6 +23,7 @@ use constrain::Constrained;
 use glam::{DVec3, UVec3};
 use number::LevelNodes;
 use rows::Rows;
+use std::collections::HashMap;
 use tree::{LeafRun, MOST};
 use volmap_formats::asset::{CellRun, LevelCells};
 
@@ -261,15 +262,20 @@ impl Levels {
                 all[node] = constrain::trilinear(at.sixths, &corners(&all, numbers));
             }
         });
-        let mut places = std::collections::HashMap::new();
+        let mut places = HashMap::new();
         let mut weights =
             CornerWeights { palette: Vec::new(), of_cell: Vec::with_capacity(self.cell_count()) };
+        let mut last: Option<([f64; 8], u32)> = None;
         for cell in self.cells() {
             let of_cell = corners(&all, &cell.nodes);
-            let place = *places.entry(of_cell.map(f64::to_bits)).or_insert_with(|| {
-                weights.palette.push(of_cell);
-                weights.palette.len() as u32 - 1
-            });
+            let place = match last {
+                Some((corners, place)) if corners == of_cell => place,
+                _ => *places.entry(of_cell.map(f64::to_bits)).or_insert_with(|| {
+                    weights.palette.push(of_cell);
+                    weights.palette.len() as u32 - 1
+                }),
+            };
+            last = Some((of_cell, place));
             weights.of_cell.push(place);
         }
         weights

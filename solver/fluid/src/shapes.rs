@@ -7,8 +7,9 @@ use std::sync::Arc;
 use volmap_bake::bake::{Bake, BakeSettings, bake};
 use volmap_bake::input::{Input, MeshSource};
 use volmap_bake::plan::{GridChoice, MapSettings};
+use volmap_bake::settings::Tolerances;
 use volmap_formats::mesh::{CleanReport, Placement, TriangleMesh};
-use volmap_runtime::{ClosureKind, DVec3, Pose, VolumeMap};
+use volmap_runtime::{ClosureKind, DVec3, MapErrors, Pose, VolumeMap};
 
 /// A mesh and its map.
 #[derive(Clone, Debug)]
@@ -40,6 +41,27 @@ pub fn baked_for(
 ) -> Result<Shape, Error> {
     let (radius, cell_size) = (closure.map_radius(support_radius), closure.cell_size(support_radius));
     baked_finely(mesh, radius, cell_size, container)
+}
+
+/// The same with cells of several sizes, as exact as the closure needs: what scenes take for large bodies and those that
+/// turn.
+///
+/// # Errors
+/// As [`bake`].
+pub fn baked_adaptively(
+    closure: ClosureKind,
+    mesh: TriangleMesh,
+    support_radius: f64,
+    container: bool,
+) -> Result<Shape, Error> {
+    let MapErrors { volume, distance } = closure.map_errors();
+    let map = MapSettings {
+        support_radius: Some(closure.map_radius(support_radius)),
+        grid: GridChoice::Tolerance(Tolerances { volume, distance, normal: None }),
+        invert: container,
+        ..MapSettings::default()
+    };
+    baked_by(mesh, map)
 }
 
 /// The same with cells of another size, metres, for the map's own support radius.

@@ -121,23 +121,32 @@ fn push(family: Family, point: [u32; 3], node: u32, owner: &Owner, out: &mut Vec
 }
 
 /// Shape functions at all places that a constrained node can have.
-pub(super) struct Shapes(Vec<Vec<(usize, f64)>>);
+pub(super) struct Shapes {
+    /// Of the places in their order, the nodes that count there, and their parts.
+    parts: Vec<(usize, f64)>,
+    /// Where each place begins; one more at the end.
+    starts: Vec<u32>,
+}
 
 pub(super) static SHAPES: LazyLock<Shapes> = LazyLock::new(Shapes::new);
 
 impl Shapes {
     fn new() -> Shapes {
         let place = |n: usize| [n % 7, n / 7 % 7, n / 49];
-        let weights = |n: usize| {
-            let xi = DVec3::from(place(n).map(|sixths| (sixths as f64 - 3.0) / 3.0));
-            let shape = serendipity::shape(xi).into_iter().enumerate();
-            shape.filter(|&(_, weight)| weight != 0.0).collect()
-        };
-        let on_surface = |n: usize| place(n).iter().any(|sixths| sixths % 6 == 0);
-        Shapes((0..343).map(|n| if on_surface(n) { weights(n) } else { Vec::new() }).collect())
+        let (mut parts, mut starts) = (Vec::new(), vec![0]);
+        for place in (0..343).map(place) {
+            if place.iter().any(|sixths| sixths % 6 == 0) {
+                let xi = DVec3::from(place.map(|sixths| (sixths as f64 - 3.0) / 3.0));
+                let shape = serendipity::shape(xi).into_iter().map(exact).enumerate();
+                parts.extend(shape.filter(|&(_, part)| part != 0.0));
+            }
+            starts.push(parts.len() as u32);
+        }
+        Shapes { parts, starts }
     }
 
     /// The polynomials of a cell's values there.
+    #[inline]
     pub fn values<const N: usize>(&self, sixths: [u8; 3], value: impl Fn(usize) -> [f64; N]) -> [f64; N] {
         let mut sum = [0.0; N];
         for (a, weight) in self.parts(sixths) {
@@ -148,10 +157,17 @@ impl Shapes {
     }
 
     /// The nodes of the cell that they depend on, and their parts.
+    #[inline]
     pub fn parts(&self, sixths: [u8; 3]) -> impl Iterator<Item = (usize, f64)> + '_ {
         let [x, y, z] = sixths.map(usize::from);
-        self.0[x + 7 * y + 49 * z].iter().copied()
+        let place = x + 7 * y + 49 * z;
+        self.parts[self.starts[place] as usize..self.starts[place + 1] as usize].iter().copied()
     }
+}
+
+/// At a node all functions but its own are 0, which is 1, but for the rounding of thirds.
+fn exact(part: f64) -> f64 {
+    if (part - part.round()).abs() < 1e-14 { part.round() } else { part }
 }
 
 /// The trilinear function of a cell's corner values.

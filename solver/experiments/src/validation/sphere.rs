@@ -8,7 +8,7 @@ use volmap_figures::picture::colours::DISTINCT;
 use volmap_fluid::Error;
 use volmap_fluid::bodies::{Motion, Path, Spin};
 use volmap_fluid::observe::{momenta, rms_speed};
-use volmap_fluid::shapes::{Shape, baked_finely, ball};
+use volmap_fluid::shapes::{Shape, baked_adaptively, ball};
 use volmap_runtime::{ClosureKind, DVec3};
 
 /// Its entry in [`EXPERIMENTS`](super::EXPERIMENTS).
@@ -38,9 +38,7 @@ fn run(run: &Run) -> Result<Outcome, Error> {
     let mut outcome = Outcome::default();
     let radius = run.pick(0.025, 0.0125);
     // Cells as in scenes for bodies that turn.
-    let (closure, support) = (ClosureKind::Mirror, 4.0 * radius);
-    let cell = closure.cell_size_of_turning(support);
-    let hollow = baked_finely(ball(RADIUS, 6), closure.map_radius(support), cell, true)?;
+    let hollow = baked_adaptively(ClosureKind::Mirror, ball(RADIUS, 6), 4.0 * radius, true)?;
     let level = Spin { axis: DVec3::X, centre: DVec3::ZERO, speed: SPEED * PI / 30.0 };
     let spins = [
         ("at rest", None),

@@ -11,7 +11,7 @@ use volmap_bake::bake::bake;
 use volmap_bake::content_key;
 use volmap_bake::input::{self, Input};
 use volmap_bake::mesh::prepare;
-use volmap_bake::parameters::{DensityKernel, Group, Parameters};
+use volmap_bake::parameters::{DensityKernel, Group, Parameters, PrecisionName, RadiusPart, Tolerance};
 use volmap_bake::plan::{Extent, GridChoice, MapSettings, plan};
 use volmap_bake::primitive::{PlacedPrimitive, Primitive};
 use volmap_bake::recipe::Recipe;
@@ -64,8 +64,6 @@ pub struct Library<'a> {
     support_radius: f64,
     /// Edge of their cells by default, metres.
     cell_size: f64,
-    /// The same of bodies that turn.
-    cell_size_of_turning: f64,
     /// How exact maps are that would have too many such cells.
     errors: MapErrors,
     /// The kernel whose density bodies need in their maps, if they need one.
@@ -113,7 +111,6 @@ impl<'a> Library<'a> {
             closure,
             support_radius: closure.map_radius(world.support_radius),
             cell_size: closure.cell_size(world.support_radius),
-            cell_size_of_turning: closure.cell_size_of_turning(world.support_radius),
             errors: closure.map_errors(),
             density,
             domain: None,
@@ -151,12 +148,17 @@ impl<'a> Library<'a> {
         shape.map(|shape| shape.within(corners))
     }
 
-    /// The body with the cells that its map needs, if it leaves them open.
+    /// The body with a plane as far as the scene's domain, and with the cells that its map needs if it turns and leaves
+    /// them open: equal ones of the closure's size would be too rough.
     pub fn with_cells(&self, body: &Body) -> Body {
         let mut body = body.clone();
         body.shape = self.bounded(body.shape, body.pose());
-        if body.turns() && !gives_cells(&body.bake) {
-            body.bake.cell_size = Some(self.cell_size_of_turning);
+        if body.turns() && !gives_cells(&body.bake) && self.density.is_none() {
+            body.bake.tolerance = Some(Tolerance(self.errors.volume));
+            body.bake.distance_tolerance = Some(RadiusPart(self.errors.distance));
+            if !body.bake.gives(Group::Precision) {
+                body.bake.precision = Some(PrecisionName::F32);
+            }
         }
         body
     }
@@ -421,12 +423,12 @@ fn gives_cells(given: &Parameters) -> bool {
     given.gives(Group::Cells) || given.distance_tolerance.is_some() || given.normal_tolerance.is_some()
 }
 
-/// Equal cells of a map, at most: 30 MB or so. The search for larger ones takes longer than their bake otherwise.
-const MOST_EQUAL_CELLS: u64 = 500_000;
+/// Equal cells of a map, at most: 3 MB or so, which are as quickly baked as cells of several sizes are found.
+const MOST_EQUAL_CELLS: u64 = 50_000;
 /// Equal cells instead of which cells of several sizes are searched, at most: on rough surfaces that are many support
 /// radii large the search takes longer than anybody waits. Such maps are refused for their memory, and the cells are to
 /// be given.
-const MOST_SEARCHED: u64 = 20_000_000;
+const MOST_SEARCHED: u64 = 100_000_000;
 
 /// Containers with cells so many times larger are worth a note.
 const COARSE: f64 = 1.2;
