@@ -10,6 +10,7 @@ pub mod density_error;
 pub mod distance_error;
 pub mod figures;
 pub mod findings;
+pub mod levels;
 pub mod model;
 pub mod page;
 pub mod reference;
@@ -23,9 +24,10 @@ pub mod views;
 pub mod volume_error;
 
 use crate::error::Error;
-use figures::{Picture, slice_pictures, view_picture};
+use figures::{Picture, level_pictures, slice_pictures, view_picture};
 use findings::{Findings, findings};
 use glam::DVec3;
+use levels::LevelMap;
 use model::{Model, Solid};
 use reference_check::{ReferenceCheck, check_reference};
 use shape::ClosedForm;
@@ -81,6 +83,8 @@ pub struct Report {
     pub findings: Findings,
     /// Slices through the middle of the solid and through the worst point.
     pub slices: Vec<ErrorSlice>,
+    /// The cells that these slices cut, of an adaptive map.
+    pub levels: Option<LevelMap>,
     /// The surface from three sides, and what is thin of it.
     pub views: Vec<View>,
     /// The mesh, if there is one.
@@ -92,6 +96,7 @@ impl Report {
     pub fn pictures(&self) -> Vec<Picture> {
         let mesh = self.solid.as_ref().map(|solid| (&solid.mesh, solid.name.as_str()));
         let mut out = slice_pictures(&self.slices, mesh);
+        out.extend(self.levels.iter().flat_map(|levels| level_pictures(&self.slices, levels)));
         let signs = self.findings.signs.iter().flat_map(|signs| &signs.worst);
         let disagreeing: Vec<DVec3> = signs.map(|(point, _)| DVec3::from(*point)).collect();
         out.extend(view_picture(&self.views, &disagreeing));
@@ -141,7 +146,7 @@ pub fn report(
     let measured = Measured { asset, model: &model, solid: solid.as_ref(), volumes, surface };
     let findings = findings(&measured, settings, &slices);
     watch.check()?;
-    Ok(Report { findings, slices, views, solid })
+    Ok(Report { findings, slices, levels: LevelMap::new(asset), views, solid })
 }
 
 /// What was measured, before it is summed up.

@@ -243,9 +243,9 @@ impl<D: SignedDistance> Judge<'_, D> {
         }
     }
 
-    /// Whether fluid can be where Phi is this.
+    /// Whether fluid can be where Phi is this; beyond the band, too, where the cells that hold its edge reach.
     pub fn counts(&self, phi: f64) -> bool {
-        (-DEPTH * self.radius..=2.0 * self.radius).contains(&phi)
+        phi >= -DEPTH * self.radius
     }
 
     /// What the stored volume should be at a cell's probes, m^3.

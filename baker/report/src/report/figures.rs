@@ -1,6 +1,7 @@
 //! Pictures and charts of a report.
 
 use super::findings::Findings;
+use super::levels::LevelMap;
 use super::slices::ErrorSlice;
 use super::thin::Thin;
 use super::views::{SHADES, View};
@@ -8,7 +9,7 @@ use glam::DVec3;
 use volmap_figures::picture::colours::{BLACK, DISTINCT, WHITE};
 use volmap_figures::picture::{
     At, Category, Chart, ChartAxis, ColourMap, Colouring, Data, Figure, Limits, Line, Marker, Panel, Pixel,
-    Quantity, Raster, Rgb, Series, contours, section,
+    PixelLattice, Polyline, Quantity, Raster, Rgb, Series, contours, section,
 };
 use volmap_formats::mesh::TriangleMesh;
 use volmap_formats::text::{number, typeset};
@@ -75,6 +76,86 @@ fn slice_picture(slice: &ErrorSlice, mesh: Option<(&TriangleMesh, &str)>) -> Pic
              asset's own distance at every pixel, at most {largest:.3} % of the full ball."
         ),
     }
+}
+
+/// Colours of levels, from the largest cells on.
+const LEVELS: [Rgb; 8] = [
+    [247, 251, 255],
+    [214, 230, 244],
+    [171, 208, 230],
+    [115, 178, 216],
+    [65, 145, 198],
+    [29, 108, 177],
+    [8, 72, 143],
+    [8, 48, 107],
+];
+/// Cells of fewer pixels have no edges drawn.
+const LEAST_PIXELS: f64 = 4.0;
+
+/// The cells that each slice cuts.
+pub fn level_pictures(slices: &[ErrorSlice], levels: &LevelMap) -> Vec<Picture> {
+    slices.iter().map(|slice| level_picture(slice, levels)).collect()
+}
+
+fn level_picture(slice: &ErrorSlice, levels: &LevelMap) -> Picture {
+    let lattice = &slice.volume.lattice;
+    let pixel = |(pixel, point): (&Pixel, DVec3)| match (pixel, levels.level(point)) {
+        (Pixel::Value(_), Some(level)) => Pixel::Value(f64::from(level)),
+        (Pixel::Value(_), None) => Pixel::Fluid,
+        (other, _) => *other,
+    };
+    let raster = Raster {
+        lattice: *lattice,
+        pixels: slice.volume.pixels.iter().zip(lattice.points()).map(pixel).collect(),
+    };
+    let category = |level: u32| Category {
+        name: format!("{} m", number(levels.cell_size(level).max_element())),
+        colour: LEVELS[(level as usize).min(LEVELS.len() - 1)],
+    };
+    let edges = Line { width: 0.4, ..Line::new("edges of cells", cell_edges(lattice, levels), [90, 90, 90]) };
+    let surface = contours(lattice, &slice.distance, 0.0);
+    let plane = format!("{} = {}", lattice.plane.axis.name(), typeset(&number(lattice.plane.at)));
+    let panel = Panel {
+        title: format!("cells on {plane} m"),
+        raster,
+        quantity: Quantity::new("edge of a cell", ""),
+        colouring: Colouring::Categories((0..levels.count).map(category).collect()),
+        lines: vec![edges, Line::new("surface of the map", surface, DISTINCT[1])],
+        markers: Vec::new(),
+    };
+    let name = if slice.through_worst { "worst" } else { lattice.plane.axis.name() };
+    Picture {
+        name: format!("cells-{name}"),
+        png: Figure { title: String::new(), panels: vec![panel], columns: 1 }.to_png(),
+        alt: format!("The cells that the plane {plane} cuts, in colours by their size"),
+        caption: format!(
+            "The cells that the plane {plane} m cuts, by their size. Edges are drawn of cells that are at least {LEAST_PIXELS} \
+             pixels large."
+        ),
+    }
+}
+
+/// Edges of the cells that the plane cuts, along the lattice's axes, metres.
+fn cell_edges(lattice: &PixelLattice, levels: &LevelMap) -> Vec<Polyline> {
+    let axis = lattice.plane.axis.index();
+    let [from, to] = [lattice.point(0, 0), lattice.point(lattice.size[0] - 1, lattice.size[1] - 1)];
+    let [from, to] = [lattice.project(from), lattice.project(to)];
+    let pixel = (to[0] - from[0]).abs() / lattice.size[0].max(2) as f64;
+    let mut out = Vec::new();
+    for level in
+        (0..levels.count).filter(|level| levels.cell_size(*level).min_element() >= LEAST_PIXELS * pixel)
+    {
+        for [low, high] in levels.boxes(level) {
+            let [a, b] = [lattice.project(low), lattice.project(high)];
+            let is_cut = low[axis] <= lattice.plane.at && lattice.plane.at < high[axis];
+            let is_seen =
+                (0..2).all(|n| a[n].max(b[n]) >= from[n].min(to[n]) && a[n].min(b[n]) <= from[n].max(to[n]));
+            if is_cut && is_seen {
+                out.push(vec![a, [b[0], a[1]], b, [a[0], b[1]], a]);
+            }
+        }
+    }
+    out
 }
 
 fn percent(raster: &Raster) -> Raster {

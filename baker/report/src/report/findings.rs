@@ -1,5 +1,6 @@
 //! What was found, as it stands in the JSON file.
 
+use super::levels::{self, LevelFacts};
 use super::reference::{FINE_RULE, PAPER_RULE, Reference};
 use super::reference_check::ReferenceCheck;
 use super::slices::ErrorSlice;
@@ -48,6 +49,9 @@ pub struct Findings {
     pub density: Option<DensityErrors>,
     /// Errors of distance and normal.
     pub distance: Option<DistanceErrors>,
+    /// The cells of each level, of an adaptive map.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub levels: Option<Vec<LevelFacts>>,
     /// Errors on slices, against order 100 on the asset's own distance.
     pub slices: Vec<SliceErrors>,
     /// Thin walls and narrow gaps.
@@ -311,6 +315,7 @@ pub fn findings(measured: &Measured, settings: &ReportSettings, slices: &[ErrorS
         by_distance: by_distance(&best, ball, radius, BINS),
         density: surface.and_then(|surface| density_errors(measured, surface)),
         distance: surface.map(|surface| distance_errors(surface, radius)),
+        levels: levels::facts(measured.asset, measured.model, measured.solid, &best),
         slices: slices.iter().filter_map(slice_errors).collect(),
         thin: surface.map(|surface| thin_places(measured, &surface.widths)),
         reference_check: surface.map(|surface| surface.reference.clone()),
