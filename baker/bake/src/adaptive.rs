@@ -174,6 +174,7 @@ impl<D: SignedDistance> Search<'_, D> {
             radius,
             ball,
             wall: FlatWall::new(radius, ball),
+            plain_volume: self.settings.plain_volume,
             tolerances: self.tolerances,
             in_place: IN_PLACE,
             phi: self.phi,

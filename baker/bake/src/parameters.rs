@@ -190,6 +190,19 @@ parameters! {
         },
     }
 
+    /// Store the volume of cells of several sizes as it is, for readers that don't know its difference from a flat wall's
+    plain_volume: bool {
+        apply: |recipe, plain| recipe.bake.map.plain_volume = plain,
+        placeholder: "BOOL",
+        example: "true",
+        excludes: &UNIFORM,
+        key: |recipe| Some(recipe.bake.map.plain_volume.to_string()),
+        describe: |baked| match baked.summary.adapted {
+            Some(_) => vec![("plain_volume", baked.settings.map.plain_volume.into())],
+            None => Vec::new(),
+        },
+    }
+
     /// Box of the map: xmin,ymin,zmin,xmax,ymax,zmax
     domain: Numbers<6> {
         apply: |recipe, corners| {
@@ -497,6 +510,8 @@ parameters! {
     }
 }
 
+/// What gives cells of one size.
+const UNIFORM: [&str; 2] = ["resolution", "cell_size"];
 /// What gives the cells in another way than by tolerances.
 const OTHER_CELLS: [&str; 3] = ["resolution", "cell_size", "max_bytes"];
 

@@ -139,6 +139,8 @@ pub struct MapSettings {
     pub thickness: f64,
     /// How the volume is integrated.
     pub rule: Rule,
+    /// Adaptive maps hold the volume as it is, not its difference from a flat wall's.
+    pub plain_volume: bool,
     /// How the density is computed, if it is to be.
     pub density: Option<DensitySettings>,
     /// Precision of the stored fields.
@@ -156,6 +158,7 @@ impl Default for MapSettings {
             padding: 0.0,
             invert: false,
             thickness: 0.0,
+            plain_volume: false,
             rule: Rule::default(),
             density: None,
             precision: Precision::default(),

@@ -50,6 +50,8 @@ pub struct Judge<'a, D> {
     pub ball: f64,
     /// V_plane.
     pub wall: FlatWall,
+    /// The volume is stored as it is everywhere.
+    pub plain_volume: bool,
     /// What a cell's errors may be.
     pub tolerances: Tolerances,
     /// What they may be in place, as a part of the tolerances.
@@ -176,8 +178,12 @@ impl<D: SignedDistance> Judge<'_, D> {
         let volume = nodes.map(|key| known.volume.at(key));
         let difference = std::array::from_fn(|a| volume[a] - self.wall.volume(distance[a]));
         let plain = self.volume_error(&exact, &CellFields { distance, volume, weights: [0.0; 8] });
-        let plane =
-            self.volume_error(&exact, &CellFields { distance, volume: difference, weights: [1.0; 8] });
+        let plane = match self.plain_volume {
+            true => f64::INFINITY,
+            false => {
+                self.volume_error(&exact, &CellFields { distance, volume: difference, weights: [1.0; 8] })
+            }
+        };
         let wish = match (plane <= BY_FIT, plain <= BY_FIT) {
             (true, true) => Wish::Either,
             (true, false) => Wish::Plane,
