@@ -30,15 +30,15 @@ use crate::sdf::sign::SignChoice;
 use crate::sdf::thin::ThinPlaces;
 use crate::sdf::{BoundaryDistance, ChangedDistance, MeshDistance, SignComparison, SignedDistance};
 use crate::settings::{FileSize, GridChoice, MapSettings, Tolerances};
-use crate::sized::{Sized, least_error};
+use crate::sized::least_error;
 use crate::stage::Stage;
 use crate::storage::stored_asset;
-pub use crate::summary::{CellCounts, Rounding, Summary};
+pub use crate::summary::{CellCounts, Rounding, Sized, Summary};
 use crate::tolerance::{Found, SearchProblem, search};
 use crate::units::Lengths;
 use crate::warnings;
 use crate::watch::Watch;
-use volmap_formats::asset::Asset;
+use volmap_formats::asset::{Asset, encode};
 
 /// A baked asset and what there is to say of it.
 #[derive(Clone, Debug)]
@@ -146,15 +146,20 @@ impl PlannedBake {
     /// A tolerance or a size that can't be reached; a band that is empty or too large; cancelled.
     pub fn run(self, watch: &Watch) -> Result<Bake, Error> {
         match self.cells {
-            Cells::Sized(size) => {
-                let planned = PlannedBake { limit: Some(size.bytes), ..self };
-                let mut best =
-                    least_error(size, |tolerances| planned.for_tolerances(tolerances).run_once(watch))?;
-                best.summary.seconds = planned.clock.seconds();
-                Ok(best)
-            }
+            Cells::Sized(size) => self.run_sized(size, watch),
             _ => self.run_once(watch),
         }
+    }
+
+    /// Bakes for the least error in a file of this size.
+    fn run_sized(self, FileSize { bytes, compression }: FileSize, watch: &Watch) -> Result<Bake, Error> {
+        let planned = PlannedBake { limit: Some(bytes), ..self };
+        let baked = |tolerances| planned.for_tolerances(tolerances).run_once(watch);
+        let size = |bake: &Bake| Ok(encode(&bake.asset, compression)?.len() as u64);
+        let (mut best, tried) = least_error(bytes, baked, size)?;
+        best.summary.seconds = planned.clock.seconds();
+        best.summary.sized = Some(Sized { limit: bytes, tried });
+        Ok(best)
     }
 
     /// The same bake with cells for these errors.

@@ -99,7 +99,7 @@ pub mod recipe;
 pub mod rows;
 pub mod sdf;
 pub mod settings;
-pub mod sized;
+mod sized;
 pub mod stage;
 mod storage;
 pub mod summary;

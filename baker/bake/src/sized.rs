@@ -3,10 +3,8 @@
 //! Bytes fall as a power of the tolerance, about its -1.1th, so that a few steps by the power through the last two (the
 //! secant of their logarithms) come close.
 
-use crate::bake::Bake;
 use crate::error::Error;
-use crate::settings::{FileSize, TOLERANCES, Tolerances};
-use volmap_formats::asset::encode;
+use crate::settings::{TOLERANCES, Tolerances};
 use volmap_formats::text::{bytes, percent};
 
 /// Where the search begins.
@@ -22,24 +20,17 @@ const SAME: f64 = 1.03;
 const POWER: f64 = -0.9;
 const MOST: f64 = 8.0;
 
-/// How the tolerance for a size was found.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Sized {
-    /// Bytes that were asked for.
-    pub limit: u64,
-    /// Tolerances of the volume and bytes of their files, in the order in which they were tried.
-    pub tried: Vec<(f64, u64)>,
-}
-
-/// The best of the bakes whose files are small enough: that with the smallest tolerance.
+/// The best of the bakes whose files are small enough: that with the smallest tolerance. With it come the tolerances of
+/// the volume that were tried, and the bytes of their files. `bytes` is the size of a bake's file.
 ///
 /// # Errors
 /// A size that no tolerance reaches; as the bakes.
-pub(crate) fn least_error(
-    size: FileSize,
-    bake: impl Fn(Tolerances) -> Result<Bake, Error>,
-) -> Result<Bake, Error> {
-    let mut search = Search { limit: size.bytes as f64, fits: None, too_large: None };
+pub(crate) fn least_error<B>(
+    limit: u64,
+    bake: impl Fn(Tolerances) -> Result<B, Error>,
+    bytes: impl Fn(&B) -> Result<u64, Error>,
+) -> Result<(B, Vec<(f64, u64)>), Error> {
+    let mut search = Search { limit: limit as f64, fits: None, too_large: None };
     let (mut tried, mut best) = (Vec::new(), None);
     let mut next = Some(FIRST);
     while let Some(tolerance) = next.filter(|_| tried.len() < TRIES) {
@@ -48,18 +39,15 @@ pub(crate) fn least_error(
             Err(Error::Memory { .. }) if best.is_some() => break,
             other => other?,
         };
-        let bytes = encode(&baked.asset, size.compression)?.len() as u64;
-        tried.push((tolerance, bytes));
-        if bytes <= size.bytes {
+        let size = bytes(&baked)?;
+        tried.push((tolerance, size));
+        if size <= limit {
             best = Some(baked);
         }
-        next = search.after(tolerance, bytes as f64);
+        next = search.after(tolerance, size as f64);
     }
-    let mut best = best.ok_or_else(|| too_small(size.bytes, &tried))?;
-    if let Some(sized) = &mut best.summary.sized {
-        sized.tried = tried;
-    }
-    Ok(best)
+    let best = best.ok_or_else(|| too_small(limit, &tried))?;
+    Ok((best, tried))
 }
 
 fn too_small(limit: u64, tried: &[(f64, u64)]) -> Error {

@@ -10,7 +10,6 @@ use crate::sdf::sign::SignChoice;
 use crate::sdf::sign_comparison::SignComparison;
 use crate::sdf::thin::ThinPlaces;
 use crate::settings::density::DensitySettings;
-use crate::sized::Sized;
 pub use crate::storage::Rounding;
 use crate::tolerance::Found;
 use glam::DVec3;
@@ -71,6 +70,15 @@ pub struct Summary {
     pub seconds: Vec<(&'static str, f64)>,
     /// What a careful person would look at.
     pub warnings: Vec<String>,
+}
+
+/// How the tolerance for a file's size was found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sized {
+    /// Bytes that were asked for.
+    pub limit: u64,
+    /// Tolerances of the volume and bytes of their files, in the order in which they were tried.
+    pub tried: Vec<(f64, u64)>,
 }
 
 /// Cells by kind.

@@ -1,6 +1,6 @@
 //! The tree of a map's cells: split where measured errors are too large, and balanced.
 
-use super::known::Known;
+use super::known::{Exact, Known};
 use super::lattice::{FineLattice, LevelCell};
 use super::measure::exact_normal;
 use super::probes;
@@ -60,7 +60,7 @@ pub struct Judge<'a, D> {
     pub phi: &'a D,
     /// Eq. 12.
     pub integrator: &'a TreeIntegrator<'a>,
-    /// Level of the cells in which V is the polynomial through its values at their nodes; see [`polynomial_level`](super::known::polynomial_level).
+    /// Level of the cells in which V is the polynomial through its values at their nodes; see [`polynomial_level`](super::sampling::polynomial_level).
     pub polynomial_level: u32,
     /// Bytes that cells and samples may take.
     pub max_memory: u64,
@@ -296,14 +296,6 @@ pub struct CellFields {
     pub volume: [f64; NODES],
     /// w at the corners.
     pub weights: [f64; 8],
-}
-
-/// What is known at the probes of a cell, side by side: rounds ask for it again and again.
-pub struct Exact {
-    /// Phi, metres.
-    distance: [f32; probes::COUNT],
-    /// V, m^3.
-    volume: [f32; probes::COUNT],
 }
 
 /// What a cell is, and what is known of it if it is one of the band.

@@ -151,10 +151,6 @@ fn place([x, y, z]: [f64; 3]) -> String {
 fn levels(findings: &Findings, found: &[LevelFacts]) -> Section {
     let radius = findings.asset.support_radius;
     let row = |level: &LevelFacts| {
-        let part = |part: fn(&Causes) -> f64| match &level.causes {
-            Some(causes) if causes.looked_at > 0 => Cell::number(100.0 * part(causes)),
-            _ => Cell::text(""),
-        };
         vec![
             Cell::written(level.level.to_string(), level.level.into()),
             Cell::number(level.edge),
@@ -163,21 +159,38 @@ fn levels(findings: &Findings, found: &[LevelFacts]) -> Section {
             Cell::number(100.0 * level.part),
             Cell::written(level.points.to_string(), level.points as f64),
             Cell::number(100.0 * level.max_error),
-            part(|causes| causes.volume),
-            part(|causes| causes.distance),
-            part(|causes| causes.normal),
-            part(|causes| causes.neighbours),
-            part(|causes| causes.edge),
         ]
     };
     let names =
         ["level", "edge, m", "edge, r", "cells", "% of the band", "points", "max error, % of the ball"];
-    let causes =
-        ["by volume, %", "by distance, %", "by normal, %", "by neighbours, %", "edge of the band, %"];
     let table = Table {
-        caption: "The cells by level, and why they aren't twice as large".into(),
-        columns: names.into_iter().chain(causes).map(Column::number).collect(),
+        caption: "The cells by level".into(),
+        columns: names.map(Column::number).into(),
         rows: found.iter().map(row).collect(),
+    };
+    let cause = |level: &LevelFacts| {
+        let causes = level.causes.filter(|causes| causes.looked_at > 0)?;
+        let Causes { looked_at, volume, distance, normal, neighbours, edge } = causes;
+        let mut row = vec![
+            Cell::written(level.level.to_string(), level.level.into()),
+            Cell::written(looked_at.to_string(), looked_at as f64),
+        ];
+        row.extend([volume, distance, normal, neighbours, edge].map(|part| Cell::number(100.0 * part)));
+        Some(row)
+    };
+    let names = [
+        "level",
+        "looked at",
+        "volume, %",
+        "distance, %",
+        "normal, %",
+        "neighbours, %",
+        "edge of the band, %",
+    ];
+    let causes = Table {
+        caption: "Why they aren't twice as large".into(),
+        columns: names.map(Column::number).into(),
+        rows: found.iter().filter_map(cause).collect(),
     };
     let how = "Errors are those of the verdict's reference at the report's points in the fluid. Why: a cell twice as large \
                would have the cubic through its own 32 nodes, of the volume as it is or as its difference from a flat \
@@ -187,7 +200,7 @@ fn levels(findings: &Findings, found: &[LevelFacts]) -> Section {
                each level. Where none is above its tolerance, cells are small because those beside them are smaller \
                still (neighbours differ by one level at most), or because their errors in place, on the faces of larger \
                cells, were too large. At the edge of the band larger cells would reach to where nothing is stored.";
-    let mut blocks = vec![Block::Table(table), Block::Paragraph(how.into())];
+    let mut blocks = vec![Block::Table(table), Block::Table(causes), Block::Paragraph(how.into())];
     let places =
         findings.asset.bake.get("cells_above_tolerance").and_then(Json::as_u64).filter(|count| *count > 0);
     if let Some(count) = places {
