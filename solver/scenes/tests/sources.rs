@@ -53,9 +53,10 @@ fn bodies_that_turn_have_cells_as_exact_as_the_closure_needs() {
     let levels = |motion: Motion, cell_size: Option<f64>| {
         let body =
             Body { motion, ..body(Parameters { invert: Some(true), cell_size, ..Parameters::default() }) };
-        let blocks = vec![cube([0.0, 1.0, 0.0], 0.6)];
+        let blocks = vec![cube([0.0, 1.0, 0.0], 1.2)];
         let closure = Some(ClosureKind::Mirror);
-        let scene = Scene { closure, particle_radius: 0.15, bodies: vec![body], blocks, ..scene(&cache) };
+        // So large that equal cells would be few.
+        let scene = Scene { closure, particle_radius: 0.3, bodies: vec![body], blocks, ..scene(&cache) };
         run(&scene).unwrap().bodies[0].map.levels()
     };
     let spin = |rpm| Motion::Spin(Spin { axis: [0.0, 1.0, 0.0], rpm, centre: None });

@@ -126,7 +126,7 @@ fn a_default_that_is_given_changes_nothing() {
         assert_eq!(with_needs(row, Some(default)).recipe(), with_needs(row, None).recipe(), "{}", row.name);
         defaults += 1;
     }
-    assert_eq!(defaults, 14);
+    assert_eq!(defaults, 15);
     let given = parse(&[("scale", "1"), ("rotate", "0,1,0,0"), ("translate", "0,0,0")]);
     assert_eq!(given.recipe(), Parameters::default().recipe());
 }
