@@ -132,7 +132,7 @@ def drawn(name, found):
     for n, (curve, colour) in enumerate(COLOURS.items()):
         x, y = left + n * 210, top + height + 46
         parts.append(f'<circle cx="{x}" cy="{y - 4}" r="5" fill="{colour}"/><text x="{x + 10}" y="{y}">{curve}</text>')
-    size = (2 * (width + left) + 40, top + height + 62)
+    size = (2 * (width + left) + 70, top + height + 62)
     style = "text{font:13px sans-serif;fill:#222}.grid{stroke:#ddd;fill:none}"
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {size[0]} {size[1]}" width="{size[0]}" height="{size[1]}">'
