@@ -26,8 +26,8 @@ mod uniform;
 mod volume;
 
 pub use cells::DEPTH;
+pub use in_place::Settled;
 pub use measure::MapErrors;
-pub use settle::Settled;
 pub use uniform::uniform;
 
 use crate::error::Error;

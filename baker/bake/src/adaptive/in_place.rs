@@ -5,16 +5,39 @@ use super::fit::{AGAIN, FIRST, Fit};
 use super::known::{Fitted, Known};
 use super::lattice::{Key, LevelCell};
 use super::region::{FITTED, Region};
-use super::settle::Settled;
 use crate::error::Error;
 use crate::plan::Plan;
 use crate::sdf::SignedDistance;
 use crate::sdf::band::joined;
-use glam::UVec3;
+use glam::{DVec3, UVec3};
 use rayon::prelude::*;
 use volmap_formats::asset::{CellRun, LevelCells};
 use volmap_runtime::layout::serendipity::{NODES, node};
 use volmap_runtime::layout::{CornerWeights, LevelCell as LayoutCell, Levels};
+
+/// Fields at the free nodes of an adaptive set of cells.
+pub struct Settled {
+    /// Cells of level 0, 1, ..
+    pub levels: Vec<LevelCells>,
+    /// Their nodes.
+    pub layout: Levels,
+    /// Signed distance, metres.
+    pub distance: Vec<f64>,
+    /// V - w V_plane(Phi), m^3.
+    pub volume: Vec<f64>,
+    /// w at the free corners, 0 or 1.
+    pub weights: Vec<u32>,
+    /// Cells of the finest level whose errors are above the tolerance.
+    pub left: Vec<LevelCell>,
+}
+
+impl Settled {
+    /// Where the free nodes are, metres.
+    pub fn free_positions(&self) -> impl Iterator<Item = DVec3> + '_ {
+        let all = self.layout.positions();
+        self.layout.free().map(move |node| all[node as usize])
+    }
+}
 
 /// Cells whose nodes are numbered, and what is known at them all.
 pub struct Numbered {

@@ -2,41 +2,16 @@
 //! place, and cells split until none is left that can be.
 
 use super::cells::{CellTree, Judge, State};
+use super::in_place::{Numbered, Settled};
 use super::known::Known;
 use super::lattice::LevelCell;
 use crate::error::Error;
 use crate::plan::Plan;
 use crate::sdf::SignedDistance;
 use glam::{DVec3, UVec3};
-use volmap_formats::asset::LevelCells;
-use volmap_runtime::layout::Levels;
 
 /// How often cells are split for what they are in place, at most. Few are left then, and errors a little above.
 const ROUNDS: usize = 16;
-
-/// Fields at the free nodes of an adaptive set of cells.
-pub struct Settled {
-    /// Cells of level 0, 1, ..
-    pub levels: Vec<LevelCells>,
-    /// Their nodes.
-    pub layout: Levels,
-    /// Signed distance, metres.
-    pub distance: Vec<f64>,
-    /// V - w V_plane(Phi), m^3.
-    pub volume: Vec<f64>,
-    /// w at the free corners, 0 or 1.
-    pub weights: Vec<u32>,
-    /// Cells of the finest level whose errors are above the tolerance.
-    pub left: Vec<LevelCell>,
-}
-
-impl Settled {
-    /// Where the free nodes are, metres.
-    pub fn free_positions(&self) -> impl Iterator<Item = DVec3> + '_ {
-        let all = self.layout.positions();
-        self.layout.free().map(move |node| all[node as usize])
-    }
-}
 
 impl<D: SignedDistance> Judge<'_, D> {
     /// Balances the cells, and splits those whose errors in place are too large, until all are good or of the finest
@@ -51,12 +26,16 @@ impl<D: SignedDistance> Judge<'_, D> {
             let numbered = self.numbered(tree, region.as_ref(), known, plan)?;
             let volume = self.fitted(&numbered, known);
             let failing = self.failing(&numbered, &volume, known);
-            let split = self.causes(&failing, tree);
+            let mut split = self.causes(&failing, tree);
             if split.is_empty() || round == ROUNDS {
-                return match region {
-                    None => Ok(numbered.settled(volume, above(&failing))),
-                    Some(_) => self.whole(tree, known, plan),
+                let whole = match region {
+                    None => Whole { numbered, volume, failing },
+                    Some(_) => self.whole(tree, known, plan)?,
                 };
+                split = self.causes(&whole.failing, tree);
+                if split.is_empty() || round == ROUNDS {
+                    return Ok(whole.settled());
+                }
             }
             self.split(split, tree, known)?;
         }
@@ -64,11 +43,11 @@ impl<D: SignedDistance> Judge<'_, D> {
     }
 
     /// The whole map, of fits that were found part by part.
-    fn whole(&self, tree: &CellTree, known: &Known, plan: &Plan) -> Result<Settled, Error> {
+    fn whole(&self, tree: &CellTree, known: &Known, plan: &Plan) -> Result<Whole, Error> {
         let numbered = self.numbered(tree, None, known, plan)?;
         let volume = numbered.fitted_before(known);
-        let left = above(&self.failing(&numbered, &volume, known));
-        Ok(numbered.settled(volume, left))
+        let failing = self.failing(&numbered, &volume, known);
+        Ok(Whole { numbered, volume, failing })
     }
 
     /// What to split: a cell that is good by itself fails by the traces of the larger ones that it touches.
@@ -127,9 +106,19 @@ impl<D: SignedDistance> Judge<'_, D> {
     }
 }
 
-/// Those that are above the tolerance.
-fn above(failing: &[(LevelCell, f64)]) -> Vec<LevelCell> {
-    failing.iter().filter(|(_, error)| *error > 1.0).map(|(cell, _)| *cell).collect()
+/// All cells in place, with their fit.
+struct Whole {
+    numbered: Numbered,
+    volume: Vec<f64>,
+    failing: Vec<(LevelCell, f64)>,
+}
+
+impl Whole {
+    /// What there is to store; cells that are above the tolerance and can't be split are told.
+    fn settled(self) -> Settled {
+        let left = self.failing.iter().filter(|(_, error)| *error > 1.0).map(|(cell, _)| *cell).collect();
+        self.numbered.settled(self.volume, left)
+    }
 }
 
 impl CellTree {

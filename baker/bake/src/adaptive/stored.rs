@@ -1,6 +1,6 @@
 //! An adaptive map as it is stored.
 
-use super::settle::Settled;
+use super::in_place::Settled;
 use crate::error::Error;
 use crate::plan::Plan;
 use crate::settings::MapSettings;
