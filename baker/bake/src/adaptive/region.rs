@@ -26,10 +26,10 @@ impl CellTree {
             let mut next = Vec::new();
             for cell in last {
                 self.each_touching(cell, resolution, |other| {
-                    if !region.contains_key(&other) {
-                        region.insert(other, step);
+                    region.entry(other).or_insert_with(|| {
                         next.push(other);
-                    }
+                        step
+                    });
                 });
                 if region.len() as f64 > most {
                     return None;
