@@ -205,14 +205,8 @@ impl Levels {
 
     /// The same in memory that is there already.
     pub fn complete_into(&self, free: &[f64], all: &mut Vec<f64>) {
-        all.resize(self.count(), 0.0);
-        for (number, value) in self.free().zip(&free[..self.free_count]) {
-            all[number as usize] = *value;
-        }
-        let shapes = &*constrain::SHAPES;
-        self.constrain(|node, at, numbers| {
-            all[node] = shapes.parts(at.sixths).map(|(a, part)| part * all[numbers[a] as usize]).sum();
-        });
+        let free = free[..self.free_count].iter().copied();
+        self.fill(free, all, |all, parts| parts.map(|(node, part)| part * all[node]).sum());
     }
 
     /// The same of several fields at once, which are computed in double precision.
@@ -221,16 +215,37 @@ impl Levels {
         free: impl Iterator<Item = [T; N]>,
         wide: fn(T) -> f64,
         narrow: fn(f64) -> T,
-    ) -> Vec<[T; N]> {
-        let mut all = vec![[T::default(); N]; self.count()];
-        for (number, values) in self.free().zip(free) {
-            all[number as usize] = values;
-        }
-        let shapes = &*constrain::SHAPES;
-        self.constrain(|node, at, numbers| {
-            all[node] = shapes.values(at.sixths, |a| all[numbers[a] as usize].map(wide)).map(narrow);
+    ) -> Vec<[T; N]>
+    where
+        [T; N]: Default,
+    {
+        let mut all = Vec::new();
+        self.fill(free, &mut all, |all, parts| {
+            let mut sum = [0.0; N];
+            for (node, part) in parts {
+                let values: [T; N] = all[node];
+                sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += part * wide(value));
+            }
+            sum.map(narrow)
         });
         all
+    }
+
+    /// Values at the free nodes, and at constrained ones what follows from the nodes and parts that they depend on.
+    fn fill<T: Copy + Default>(
+        &self,
+        free: impl Iterator<Item = T>,
+        all: &mut Vec<T>,
+        follows: impl Fn(&[T], &mut dyn Iterator<Item = (usize, f64)>) -> T,
+    ) {
+        all.resize(self.count(), T::default());
+        for (number, value) in self.free().zip(free) {
+            all[number as usize] = value;
+        }
+        self.constrain(|node, at, numbers| {
+            let parts = constrain::SHAPES.parts(at.sixths);
+            all[node] = follows(all, &mut parts.map(|(a, part)| (numbers[a] as usize, part)));
+        });
     }
 
     /// The transposed of [`Levels::complete`]: numbers at all nodes, those at constrained ones shared out to the nodes that
@@ -265,17 +280,12 @@ impl Levels {
         let mut places = HashMap::new();
         let mut weights =
             CornerWeights { palette: Vec::new(), of_cell: Vec::with_capacity(self.cell_count()) };
-        let mut last: Option<([f64; 8], u32)> = None;
         for cell in self.cells() {
             let of_cell = corners(&all, &cell.nodes);
-            let place = match last {
-                Some((corners, place)) if corners == of_cell => place,
-                _ => *places.entry(of_cell.map(f64::to_bits)).or_insert_with(|| {
-                    weights.palette.push(of_cell);
-                    weights.palette.len() as u32 - 1
-                }),
-            };
-            last = Some((of_cell, place));
+            let place = *places.entry(of_cell.map(f64::to_bits)).or_insert_with(|| {
+                weights.palette.push(of_cell);
+                weights.palette.len() as u32 - 1
+            });
             weights.of_cell.push(place);
         }
         weights

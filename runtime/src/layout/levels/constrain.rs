@@ -121,47 +121,26 @@ fn push(family: Family, point: [u32; 3], node: u32, owner: &Owner, out: &mut Vec
 }
 
 /// Shape functions at all places that a constrained node can have.
-pub(super) struct Shapes {
-    /// Of the places in their order, the nodes that count there, and their parts.
-    parts: Vec<(usize, f64)>,
-    /// Where each place begins; one more at the end.
-    starts: Vec<u32>,
-}
+pub(super) struct Shapes(Vec<Vec<(usize, f64)>>);
 
 pub(super) static SHAPES: LazyLock<Shapes> = LazyLock::new(Shapes::new);
 
 impl Shapes {
     fn new() -> Shapes {
         let place = |n: usize| [n % 7, n / 7 % 7, n / 49];
-        let (mut parts, mut starts) = (Vec::new(), vec![0]);
-        for place in (0..343).map(place) {
-            if place.iter().any(|sixths| sixths % 6 == 0) {
-                let xi = DVec3::from(place.map(|sixths| (sixths as f64 - 3.0) / 3.0));
-                let shape = serendipity::shape(xi).into_iter().map(exact).enumerate();
-                parts.extend(shape.filter(|&(_, part)| part != 0.0));
-            }
-            starts.push(parts.len() as u32);
-        }
-        Shapes { parts, starts }
+        let parts = |n: usize| {
+            let xi = DVec3::from(place(n).map(|sixths| (sixths as f64 - 3.0) / 3.0));
+            let shape = serendipity::shape(xi).into_iter().map(exact).enumerate();
+            shape.filter(|&(_, part)| part != 0.0).collect()
+        };
+        let on_surface = |n: usize| place(n).iter().any(|sixths| sixths % 6 == 0);
+        Shapes((0..343).map(|n| if on_surface(n) { parts(n) } else { Vec::new() }).collect())
     }
 
-    /// The polynomials of a cell's values there.
-    #[inline]
-    pub fn values<const N: usize>(&self, sixths: [u8; 3], value: impl Fn(usize) -> [f64; N]) -> [f64; N] {
-        let mut sum = [0.0; N];
-        for (a, weight) in self.parts(sixths) {
-            let value = value(a);
-            (0..N).for_each(|n| sum[n] += weight * value[n]);
-        }
-        sum
-    }
-
-    /// The nodes of the cell that they depend on, and their parts.
-    #[inline]
+    /// The nodes of the cell that a value there depends on, and their parts.
     pub fn parts(&self, sixths: [u8; 3]) -> impl Iterator<Item = (usize, f64)> + '_ {
         let [x, y, z] = sixths.map(usize::from);
-        let place = x + 7 * y + 49 * z;
-        self.parts[self.starts[place] as usize..self.starts[place + 1] as usize].iter().copied()
+        self.0[x + 7 * y + 49 * z].iter().copied()
     }
 }
 
