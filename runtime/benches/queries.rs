@@ -55,13 +55,19 @@ fn push(runs: &mut Vec<CellRun>, i: u32, j: u32, k: u32) {
     }
 }
 
-/// Particles near the wall: 0 < Phi < 2 r.
+/// Whether 0 < Phi < 2 r: where particles see the wall.
+fn is_near(map: &VolumeMap, point: DVec3) -> bool {
+    let reach = 2.0 * map.support_radius();
+    map.sample(point).near().is_some_and(|at| at.distance > 0.0 && at.distance < reach)
+}
+
+/// Particles near the wall.
 fn particles(map: &VolumeMap) -> Vec<DVec3> {
     let mut random = Random(1);
     let mut points = Vec::with_capacity(POINTS);
     while points.len() < POINTS {
         let point = random.point(map.grid().origin, map.grid().max_corner());
-        if map.sample(point).near().is_some_and(|at| at.distance > 0.0 && at.distance < 2.0 * RADIUS) {
+        if is_near(map, point) {
             points.push(point);
         }
     }
@@ -131,11 +137,7 @@ fn fluid(map: &VolumeMap, spacing: f64) -> Vec<DVec3> {
     for (i, j, k) in (0..nx).flat_map(|i| (0..ny).flat_map(move |j| (0..nz).map(move |k| (i, j, k)))) {
         let place = DVec3::new(i as f64, j as f64, k as f64) + 0.5;
         let point = origin + spacing * (place + 0.2 * random.point(DVec3::NEG_ONE, DVec3::ONE));
-        if map
-            .sample(point)
-            .near()
-            .is_some_and(|at| at.distance > 0.0 && at.distance < 2.0 * map.support_radius())
-        {
+        if is_near(map, point) {
             points.push(point);
         }
     }

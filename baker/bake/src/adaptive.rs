@@ -41,7 +41,6 @@ use crate::volume_map::anywhere::LineRule;
 use crate::volume_map::quadrature::Rule;
 use crate::watch::Watch;
 use cells::{CellTree, Judge};
-
 use distance_tree::{DistanceTree, TreeSettings};
 use glam::DVec3;
 use known::Known;

@@ -121,7 +121,7 @@ mod tests {
                 assert_eq!(search.fits.is_some(), reachable, "{power}, {limit}");
                 if let Some([tolerance, size]) = search.fits {
                     assert!(
-                        size <= limit && (size >= 0.85 * limit || tolerance <= least),
+                        size <= limit && (size >= 0.9 * limit || tolerance <= least),
                         "{power}, {limit}: {size}"
                     );
                 }

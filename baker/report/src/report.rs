@@ -143,10 +143,12 @@ pub fn report(
         (Some(solid), pixels @ 1..) => views::views(&model, solid, pixels, watch)?,
         _ => Vec::new(),
     };
-    let measured = Measured { asset, model: &model, solid: solid.as_ref(), volumes, surface };
-    let findings = findings(&measured, settings, &slices);
+    let levels = LevelMap::new(asset);
+    let measured =
+        Measured { asset, model: &model, levels: levels.as_ref(), solid: solid.as_ref(), volumes, surface };
+    let findings = findings(&measured, settings, &slices)?;
     watch.check()?;
-    Ok(Report { findings, slices, levels: LevelMap::new(asset), views, solid })
+    Ok(Report { findings, slices, levels, views, solid })
 }
 
 /// What was measured, before it is summed up.
@@ -155,6 +157,8 @@ pub struct Measured<'a> {
     pub asset: &'a Asset,
     /// The same, opened.
     pub model: &'a Model,
+    /// Its cells, if they have several sizes.
+    pub levels: Option<&'a LevelMap>,
     /// The solid.
     pub solid: Option<&'a Solid>,
     /// Volumes.

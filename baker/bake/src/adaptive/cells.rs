@@ -9,7 +9,7 @@ use crate::error::Error;
 use crate::sdf::SignedDistance;
 use crate::settings::Tolerances;
 use crate::watch::Work;
-use glam::{DVec3, IVec3, UVec3};
+use glam::{DVec3, UVec3};
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 use std::sync::LazyLock;
@@ -60,7 +60,7 @@ pub struct Judge<'a, D> {
     pub phi: &'a D,
     /// Eq. 12.
     pub integrator: &'a TreeIntegrator<'a>,
-    /// Level of the cells in which V is the polynomial through its values at their nodes; see [`polynomial_level`](super::sampling::polynomial_level).
+    /// Level from which on V is the polynomial through its values at a cell's nodes: that of `sampling`.
     pub polynomial_level: u32,
     /// Bytes that cells and samples may take.
     pub max_memory: u64,
@@ -343,11 +343,7 @@ impl CellTree {
         cell: LevelCell,
         resolution: UVec3,
     ) -> impl Iterator<Item = LevelCell> + '_ {
-        let size = (resolution << cell.level).as_ivec3();
-        let around =
-            (0..27).map(move |n| cell.at.as_ivec3() + IVec3::new(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1));
-        let inside = around.filter(move |at| at.cmpge(IVec3::ZERO).all() && at.cmplt(size).all());
-        inside.filter_map(move |at| self.coarser_at(LevelCell { level: cell.level, at: at.as_uvec3() }))
+        cell.around(resolution).filter_map(|(_, place)| self.coarser_at(place))
     }
 
     /// The cell of the band that holds a place where the tree ends at a coarser level.

@@ -1,7 +1,7 @@
 //! The fine lattice on which all nodes and test points of all levels lie, as integers: their keys are exact.
 
 use super::probes::{self, PROBES};
-use glam::{DVec3, UVec3};
+use glam::{DVec3, IVec3, UVec3};
 use std::hash::{Hash, Hasher};
 use volmap_runtime::Grid;
 use volmap_runtime::layout::serendipity::{NODES, THIRDS};
@@ -119,6 +119,17 @@ impl LevelCell {
         std::array::from_fn(|n| LevelCell {
             level: self.level + 1,
             at: 2 * self.at + UVec3::new(n as u32 & 1, n as u32 >> 1 & 1, n as u32 >> 2),
+        })
+    }
+
+    /// The places around it on its level, in a grid with so many cells of level 0, each with the step from here.
+    pub fn around(self, resolution: UVec3) -> impl Iterator<Item = (IVec3, LevelCell)> {
+        let size = (resolution << self.level).as_ivec3();
+        let steps = (0..27).map(|n| IVec3::new(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1));
+        steps.filter(|step| *step != IVec3::ZERO).filter_map(move |step| {
+            let at = self.at.as_ivec3() + step;
+            let inside = at.cmpge(IVec3::ZERO).all() && at.cmplt(size).all();
+            inside.then(|| (step, LevelCell { level: self.level, at: at.as_uvec3() }))
         })
     }
 

@@ -42,13 +42,7 @@ impl CellTree {
 
     /// Every cell of the band that a balanced cell touches.
     fn each_touching(&self, cell: LevelCell, resolution: UVec3, mut each: impl FnMut(LevelCell)) {
-        let size = (resolution << cell.level).as_ivec3();
-        for step in (0..27).map(|n| IVec3::new(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1)) {
-            let at = cell.at.as_ivec3() + step;
-            if step == IVec3::ZERO || at.cmplt(IVec3::ZERO).any() || at.cmpge(size).any() {
-                continue;
-            }
-            let place = LevelCell { level: cell.level, at: at.as_uvec3() };
+        for (step, place) in cell.around(resolution) {
             match self.cells.get(&place) {
                 Some(State::Band(_)) => each(place),
                 Some(State::Split) => {

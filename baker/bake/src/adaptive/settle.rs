@@ -25,29 +25,27 @@ impl<D: SignedDistance> Judge<'_, D> {
             let region = tree.around_new(self.lattice.grid().resolution);
             let numbered = self.numbered(tree, region.as_ref(), known, plan)?;
             let volume = self.fitted(&numbered, known);
-            let failing = self.failing(&numbered, &volume, known);
-            let mut split = self.causes(&failing, tree);
-            if split.is_empty() || round == ROUNDS {
-                let whole = match region {
-                    None => Whole { numbered, volume, failing },
-                    Some(_) => self.whole(tree, known, plan)?,
-                };
-                split = self.causes(&whole.failing, tree);
-                if split.is_empty() || round == ROUNDS {
-                    return Ok(whole.settled());
-                }
+            let mut found = self.in_place(numbered, volume, known);
+            let mut split = self.causes(&found.failing, tree);
+            let last = round == ROUNDS;
+            if region.is_some() && (split.is_empty() || last) {
+                // The whole map, of fits that were found part by part.
+                let numbered = self.numbered(tree, None, known, plan)?;
+                let volume = numbered.fitted_before(known);
+                found = self.in_place(numbered, volume, known);
+                split = self.causes(&found.failing, tree);
+            }
+            if split.is_empty() || last {
+                return Ok(found.settled());
             }
             self.split(split, tree, known)?;
         }
         unreachable!("the last round returns")
     }
 
-    /// The whole map, of fits that were found part by part.
-    fn whole(&self, tree: &CellTree, known: &Known, plan: &Plan) -> Result<Whole, Error> {
-        let numbered = self.numbered(tree, None, known, plan)?;
-        let volume = numbered.fitted_before(known);
+    fn in_place(&self, numbered: Numbered, volume: Vec<f64>, known: &Known) -> InPlace {
         let failing = self.failing(&numbered, &volume, known);
-        Ok(Whole { numbered, volume, failing })
+        InPlace { numbered, volume, failing }
     }
 
     /// What to split: a cell that is good by itself fails by the traces of the larger ones that it touches.
@@ -106,14 +104,14 @@ impl<D: SignedDistance> Judge<'_, D> {
     }
 }
 
-/// All cells in place, with their fit.
-struct Whole {
+/// Cells in place, with their fit.
+struct InPlace {
     numbered: Numbered,
     volume: Vec<f64>,
     failing: Vec<(LevelCell, f64)>,
 }
 
-impl Whole {
+impl InPlace {
     /// What there is to store; cells that are above the tolerance and can't be split are told.
     fn settled(self) -> Settled {
         let left = self.failing.iter().filter(|(_, error)| *error > 1.0).map(|(cell, _)| *cell).collect();

@@ -141,18 +141,16 @@ fn cell_edges(lattice: &PixelLattice, levels: &LevelMap) -> Vec<Polyline> {
     let [from, to] = [lattice.point(0, 0), lattice.point(lattice.size[0] - 1, lattice.size[1] - 1)];
     let [from, to] = [lattice.project(from), lattice.project(to)];
     let pixel = (to[0] - from[0]).abs() / lattice.size[0].max(2) as f64;
+    let is_large = |level: u32| levels.cell_size(level).min_element() >= LEAST_PIXELS * pixel;
+    let is_drawn: Vec<bool> = (0..levels.count).map(is_large).collect();
     let mut out = Vec::new();
-    for level in
-        (0..levels.count).filter(|level| levels.cell_size(*level).min_element() >= LEAST_PIXELS * pixel)
-    {
-        for [low, high] in levels.boxes(level) {
-            let [a, b] = [lattice.project(low), lattice.project(high)];
-            let is_cut = low[axis] <= lattice.plane.at && lattice.plane.at < high[axis];
-            let is_seen =
-                (0..2).all(|n| a[n].max(b[n]) >= from[n].min(to[n]) && a[n].min(b[n]) <= from[n].max(to[n]));
-            if is_cut && is_seen {
-                out.push(vec![a, [b[0], a[1]], b, [a[0], b[1]], a]);
-            }
+    for (_, [low, high]) in levels.boxes().filter(|(level, _)| is_drawn[*level as usize]) {
+        let [a, b] = [lattice.project(low), lattice.project(high)];
+        let is_cut = low[axis] <= lattice.plane.at && lattice.plane.at < high[axis];
+        let is_seen =
+            (0..2).all(|n| a[n].max(b[n]) >= from[n].min(to[n]) && a[n].min(b[n]) <= from[n].max(to[n]));
+        if is_cut && is_seen {
+            out.push(vec![a, [b[0], a[1]], b, [a[0], b[1]], a]);
         }
     }
     out

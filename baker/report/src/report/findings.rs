@@ -8,6 +8,7 @@ use super::statistics::{DistanceBin, HistogramBar, Measurement, Statistics, by_d
 use super::thin::{self, Thin, Width};
 use super::volume_error::{ErrorPart, VolumeSample};
 use super::{Measured, ReportSettings, SurfaceFindings};
+use crate::error::Error;
 use crate::info;
 use glam::DVec3;
 use schemars::JsonSchema;
@@ -284,12 +285,20 @@ fn against(samples: &[VolumeSample], reference: Reference) -> Vec<Measurement> {
 }
 
 /// Sums up what was measured.
-pub fn findings(measured: &Measured, settings: &ReportSettings, slices: &[ErrorSlice]) -> Findings {
+///
+/// # Errors
+/// An asset that says of its bake what no bake writes.
+pub fn findings(
+    measured: &Measured,
+    settings: &ReportSettings,
+    slices: &[ErrorSlice],
+) -> Result<Findings, Error> {
     let (ball, radius) = (measured.model.ball, measured.model.radius);
     let reference = best_reference(&measured.volumes);
     let best = against(&measured.volumes, reference);
     let surface = measured.surface.as_ref();
-    Findings {
+    let of_levels = |map| levels::facts(map, measured.asset, measured.model, measured.solid, &best);
+    Ok(Findings {
         format: "volmap-report".into(),
         format_version: 1,
         program_version: env!("CARGO_PKG_VERSION").into(),
@@ -315,7 +324,7 @@ pub fn findings(measured: &Measured, settings: &ReportSettings, slices: &[ErrorS
         by_distance: by_distance(&best, ball, radius, BINS),
         density: surface.and_then(|surface| density_errors(measured, surface)),
         distance: surface.map(|surface| distance_errors(surface, radius)),
-        levels: levels::facts(measured.asset, measured.model, measured.solid, &best),
+        levels: measured.levels.map(of_levels).transpose()?,
         slices: slices.iter().filter_map(slice_errors).collect(),
         thin: surface.map(|surface| thin_places(measured, &surface.widths)),
         reference_check: surface.map(|surface| surface.reference.clone()),
@@ -324,7 +333,7 @@ pub fn findings(measured: &Measured, settings: &ReportSettings, slices: &[ErrorS
             disagreeing: surface.signs.disagreeing,
             worst: surface.signs.worst.clone(),
         }),
-    }
+    })
 }
 
 impl Verdict {

@@ -6,14 +6,16 @@
 
 use super::model::{Model, Solid};
 use super::statistics::Measurement;
+use crate::error::Error;
 use glam::{DVec3, IVec3};
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeSet;
 use volmap_bake::adaptive::DEPTH;
+use volmap_bake::provenance;
 use volmap_bake::sdf::SignedDistance;
-use volmap_formats::asset::{Asset, Value};
+use volmap_formats::asset::Asset;
 use volmap_runtime::layout::serendipity::{NODES, node, shape, shape_and_gradient};
 use volmap_runtime::layout::{FlatWall, Held, Levels};
 use volmap_runtime::{Grid, Sample};
@@ -86,22 +88,26 @@ impl LevelMap {
         self.levels.grid(level).cell_size
     }
 
-    /// All cells of a level, by their lowest and highest corners, metres.
-    pub fn boxes(&self, level: u32) -> impl Iterator<Item = [DVec3; 2]> + '_ {
-        let grid = self.levels.grid(level);
-        let cells = self.levels.cells().filter(move |cell| cell.level == level);
-        cells.map(move |cell| [grid.cell_corner(cell.index), grid.cell_corner(cell.index + 1)])
+    /// All cells, by their levels and their lowest and highest corners, metres.
+    pub fn boxes(&self) -> impl Iterator<Item = (u32, [DVec3; 2])> + '_ {
+        self.levels.cells().map(|cell| {
+            let grid = self.levels.grid(cell.level);
+            (cell.level, [grid.cell_corner(cell.index), grid.cell_corner(cell.index + 1)])
+        })
     }
 }
 
 /// The facts of all levels. `errors` are those of the verdict's reference.
+///
+/// # Errors
+/// Tolerances that no bake writes.
 pub fn facts(
+    map: &LevelMap,
     asset: &Asset,
     model: &Model,
     solid: Option<&Solid>,
     errors: &[Measurement],
-) -> Option<Vec<LevelFacts>> {
-    let map = LevelMap::new(asset)?;
+) -> Result<Vec<LevelFacts>, Error> {
     let cells = asset.cells_by_level();
     let weight = |level: usize| cells[level] as f64 / 8f64.powi(level as i32);
     let all: f64 = (0..cells.len()).map(weight).sum();
@@ -114,7 +120,7 @@ pub fn facts(
         model,
         solid,
         wall: FlatWall::new(asset.support_radius, asset.quadrature.ball_volume),
-        tolerances: Tolerances::of(asset),
+        tolerances: Tolerances::of(asset)?,
     };
     let of_level = |level: u32| {
         let own = || found.iter().filter(move |(of, _)| *of == level);
@@ -125,10 +131,10 @@ pub fn facts(
             part: weight(level as usize) / all,
             points: own().count(),
             max_error: own().map(|(_, error)| *error).fold(0.0, f64::max),
-            causes: (level > 0).then(|| judge.causes(&map, level)),
+            causes: (level > 0).then(|| judge.causes(map, level)),
         }
     };
-    Some((0..map.count).map(of_level).collect())
+    Ok((0..map.count).map(of_level).collect())
 }
 
 /// What the map was baked for.
@@ -140,17 +146,15 @@ struct Tolerances {
 }
 
 impl Tolerances {
-    fn of(asset: &Asset) -> Tolerances {
-        let real = |name: &str| match asset.bake.get(name) {
-            Some(Value::Real(values)) => values.first().copied(),
-            _ => None,
-        };
-        let volume = real("tolerance").unwrap_or(f64::INFINITY);
-        Tolerances {
-            volume,
-            distance: real("distance_tolerance").unwrap_or(f64::INFINITY),
-            normal: real("normal_tolerance").map(f64::to_radians),
-        }
+    /// What the asset doesn't say was not asked for.
+    fn of(asset: &Asset) -> Result<Tolerances, Error> {
+        let real = |name| provenance::real(asset, name, f64::INFINITY);
+        let normal = real("normal_tolerance")?;
+        Ok(Tolerances {
+            volume: real("tolerance")?,
+            distance: real("distance_tolerance")?,
+            normal: normal.is_finite().then(|| normal.to_radians()),
+        })
     }
 }
 
@@ -295,7 +299,8 @@ mod tests {
             let inside = DVec3::new(0.45, 0.0, 0.1);
             let error =
                 Measurement { point: inside, distance: 0.05, value: model.ball, reference: 0.5 * model.ball };
-            let levels = facts(&asset, &model, Some(&solid), &[error]).unwrap();
+            let map = LevelMap::new(&asset).unwrap();
+            let levels = facts(&map, &asset, &model, Some(&solid), &[error]).unwrap();
             let cells: Vec<u64> = levels.iter().map(|level| level.cells).collect();
             assert_eq!(cells, asset.cells_by_level());
             let sizes = levels.iter().map(|level| level.cells as f64 * level.edge.powi(3));

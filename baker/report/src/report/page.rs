@@ -194,12 +194,12 @@ fn levels(findings: &Findings, found: &[LevelFacts]) -> Section {
     };
     let how = "Errors are those of the verdict's reference at the report's points in the fluid. Why: a cell twice as large \
                would have the cubic through its own 32 nodes, of the volume as it is or as its difference from a flat \
-               wall's, whichever is better. Compared at 125 places in it, near the fluid, with the map's volume and the mesh's distance (the \
-               map's, if there is no mesh), its largest miss as a part of the tolerance that the map was baked for \
-               names the cause; up to 2,000 such cells are looked at for \
-               each level. Where none is above its tolerance, cells are small because those beside them are smaller \
-               still (neighbours differ by one level at most), or because their errors in place, on the faces of larger \
-               cells, were too large. At the edge of the band larger cells would reach to where nothing is stored.";
+               wall's, whichever is better. Compared at 125 places in it, near the fluid, with the map's volume and the \
+               mesh's distance (the map's, if there is no mesh), its largest miss as a part of the tolerance that the map \
+               was baked for names the cause; up to 2,000 such cells are looked at for each level. Where none is above \
+               its tolerance, cells are small because those beside them are smaller still (neighbours differ by one level \
+               at most), or because their errors in place, on the faces of larger cells, were too large. At the edge of \
+               the band larger cells would reach to where nothing is stored.";
     let mut blocks = vec![Block::Table(table), Block::Table(causes), Block::Paragraph(how.into())];
     let places =
         findings.asset.bake.get("cells_above_tolerance").and_then(Json::as_u64).filter(|count| *count > 0);

@@ -16,7 +16,6 @@ use volmap_bake::plan::{Extent, GridChoice, MapSettings, plan};
 use volmap_bake::primitive::{PlacedPrimitive, Primitive};
 use volmap_bake::recipe::Recipe;
 use volmap_bake::sdf::{MeshDistance, SignMethod};
-use volmap_bake::settings::Tolerances;
 use volmap_bake::watch::Watch;
 use volmap_fluid::boundary::density_map;
 use volmap_fluid::settings::{BoundaryMethod, World};
@@ -154,13 +153,19 @@ impl<'a> Library<'a> {
         let mut body = body.clone();
         body.shape = self.bounded(body.shape, body.pose());
         if body.turns() && !gives_cells(&body.bake) && self.density.is_none() {
-            body.bake.tolerance = Some(Tolerance(self.errors.volume));
-            body.bake.distance_tolerance = Some(RadiusPart(self.errors.distance));
-            if !body.bake.gives(Group::Precision) {
-                body.bake.precision = Some(PrecisionName::F32);
-            }
+            body.bake = self.by_errors(body.bake);
         }
         body
+    }
+
+    /// With cells of several sizes, as exact as the closure needs.
+    fn by_errors(&self, mut given: Parameters) -> Parameters {
+        given.tolerance = Some(Tolerance(self.errors.volume));
+        given.distance_tolerance = Some(RadiusPart(self.errors.distance));
+        if !given.gives(Group::Precision) {
+            given.precision = Some(PrecisionName::F32);
+        }
+        given
     }
 
     /// The map of a source; `key` is the scene's name for it, as `bodies[0]`. The same source gives the same
@@ -294,8 +299,7 @@ impl<'a> Library<'a> {
         let mut identity = content_key::identify(path, recipe.effective())?;
         let mut input = content_key::load(path, &recipe, &identity)?;
         if !gives_cells(given) && self.is_large(&input, &recipe) {
-            let MapErrors { volume, distance } = self.errors;
-            recipe.bake.map.grid = GridChoice::Tolerance(Tolerances { volume, distance, normal: None });
+            recipe = self.recipe(&self.by_errors(given.clone()), density);
             identity = identity.with_parameters(recipe.effective());
         }
         let key = identity.key;
