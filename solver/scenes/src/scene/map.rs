@@ -338,7 +338,7 @@ impl<'a> Library<'a> {
         let [min, max] = input::bounds(&input.mesh);
         let unlimited = MapSettings { max_memory: u64::MAX, ..map.clone() };
         let cells = plan(&Extent { min, max, area }, &unlimited).map_or(0, |plan| plan.estimate.cells);
-        (MOST_EQUAL_CELLS + 1..=MOST_SEARCHED).contains(&cells)
+        (MOST_EQUAL_CELLS + 1..=map.max_memory / BYTES_OF_SEARCH).contains(&cells)
     }
 
     /// Bakes, and keeps what came of it if it can.
@@ -429,10 +429,9 @@ fn gives_cells(given: &Parameters) -> bool {
 
 /// Equal cells of a map, at most: 3 MB or so, which are as quickly baked as cells of several sizes are found.
 const MOST_EQUAL_CELLS: u64 = 50_000;
-/// Equal cells instead of which cells of several sizes are searched, at most: on rough surfaces that are many support
-/// radii large the search takes longer than anybody waits. Such maps are refused for their memory, and the cells are to
-/// be given.
-const MOST_SEARCHED: u64 = 100_000_000;
+/// Memory of the search for cells of several sizes, for each equal cell instead, about: a canyon of 43 million, rough and
+/// 1,500 support radii long, takes 10.3 GB. What needs more than is allowed is refused for its equal cells, at once.
+const BYTES_OF_SEARCH: u64 = 240;
 
 /// Containers with cells so many times larger are worth a note.
 const COARSE: f64 = 1.2;
