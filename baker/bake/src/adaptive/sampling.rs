@@ -114,8 +114,10 @@ mod tests {
     use std::f64::consts::PI;
     use volmap_runtime::layout::serendipity::node;
 
-    /// Signed distances of shapes with kinks; r = 1.
-    const SHAPES: [(&str, fn(DVec3) -> f64); 6] = [
+    /// A name and a signed distance; r = 1.
+    type Shape = (&'static str, fn(DVec3) -> f64);
+
+    const SHAPES: [Shape; 6] = [
         ("wall", |x| x.dot(DVec3::new(0.48, 0.6, 0.64))),
         ("convex edge", |x| outside(DVec3::new(x.x, x.y, -9.0))),
         ("concave edge", |x| -outside(DVec3::new(-x.x, -x.y, -9.0))),
