@@ -31,12 +31,20 @@ pub struct NoThreads {
     pub reason: String,
 }
 
+/// Memory of a thread in bytes: its stack, as the standard library makes it, and what it keeps beside that.
+const OF_A_THREAD: usize = (2 << 20) + (64 << 10);
+
 /// Starts the threads on which parallel loops run: so many, or one for each processor. To be called once, before the
 /// first loop.
 ///
 /// # Errors
 /// [`NoThreads`]
 pub fn start_threads(threads: Option<usize>) -> Result<(), NoThreads> {
+    // Asked for as a whole first: a thread that the system starts, but has no second stack for, ends in a panic.
+    let count = threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
+    if let Err(error) = Vec::<u8>::new().try_reserve_exact(count.saturating_mul(OF_A_THREAD)) {
+        return Err(NoThreads { threads, reason: error.to_string() });
+    }
     let started = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build_global();
     started.map_err(|error| NoThreads { threads, reason: error.to_string() })
 }
