@@ -1,10 +1,11 @@
 //! Adaptive maps: cells of several sizes, as large as the errors that are asked for allow. Adaptive grids are what Bender
-//! et al. 2020 name as future work; the volume is stored as its difference from a flat wall's where that is smoother.
+//! et al. 2020 name as future work; the volume is stored as its difference from a flat wall's if that is smoother.
 //!
 //! ```text
 //! tree      Phi on a tree of cells of its own, as fine as Eq. 12 needs       (distance_tree)
 //! V(x)      Eq. 12 on that tree, at any point                                (volume)
 //! cells     split where Phi, V or the normal miss within                     (cells)
+//! form      V as it is, or as its difference from a flat wall's               (form)
 //! settle    2:1 balance, constraints, weights; split what misses in place    (settle, fit)
 //! measure   the map as stored, against the exact distance; split where it misses   (stored, measure)
 //! ```
@@ -12,6 +13,7 @@
 mod cells;
 mod distance_tree;
 mod fit;
+mod form;
 mod in_place;
 mod known;
 mod lattice;
@@ -42,6 +44,7 @@ use crate::volume_map::quadrature::Rule;
 use crate::watch::Watch;
 use cells::{CellTree, Judge};
 use distance_tree::{DistanceTree, TreeSettings};
+use form::Form;
 use glam::DVec3;
 use known::Known;
 use lattice::{FineLattice, LevelCell, indices};
@@ -175,7 +178,7 @@ impl<D: SignedDistance> Search<'_, D> {
             radius,
             ball,
             wall: FlatWall::new(radius, ball),
-            plain_volume: self.settings.plain_volume,
+            forms: self.forms(),
             tolerances: self.tolerances,
             in_place: IN_PLACE,
             phi: self.phi,
@@ -187,6 +190,12 @@ impl<D: SignedDistance> Search<'_, D> {
         let lines = LineRule::new(self.reference_rule().points());
         let mut cells = CellTree::default();
         judge.decide(self.roots(), &mut cells, &mut known)?;
+        if judge.forms.len() > 1 {
+            judge.choose(&mut cells, &mut known, self.plan)?;
+            // Once more with that form alone: cells in which only the other would do cost more later.
+            cells = CellTree::default();
+            judge.decide(self.roots(), &mut cells, &mut known)?;
+        }
         let mut settled = judge.settle(&mut cells, &mut known, self.plan)?;
         let mut reference = None;
         for repairs in 0.. {
@@ -206,6 +215,14 @@ impl<D: SignedDistance> Search<'_, D> {
             settled = judge.repair(&missed, &mut cells, &mut known, self.plan)?;
         }
         unreachable!("the last repair returns")
+    }
+
+    /// How the volume may be stored.
+    fn forms(&self) -> &'static [Form] {
+        match self.settings.plain_volume {
+            true => &[Form::Plain],
+            false => &[Form::Difference, Form::Plain],
+        }
     }
 
     fn reference_rule(&self) -> Rule {

@@ -1,5 +1,6 @@
 //! The tree of a map's cells: split where measured errors are too large, and balanced.
 
+use super::form::Form;
 use super::known::{Exact, Known};
 use super::lattice::{FineLattice, LevelCell};
 use super::measure::exact_normal;
@@ -12,7 +13,6 @@ use crate::watch::Work;
 use glam::{DVec3, UVec3};
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
-use std::sync::LazyLock;
 use volmap_runtime::layout::FlatWall;
 use volmap_runtime::layout::serendipity::{NODES, shape_and_gradient};
 
@@ -21,23 +21,12 @@ use volmap_runtime::layout::serendipity::{NODES, shape_and_gradient};
 pub enum State {
     /// Its children are in the tree.
     Split,
-    /// In the band, with this wish for the form of its volume.
-    Band(Wish),
+    /// In the band.
+    Band,
     /// Deeper in the solid than the band.
     Solid,
     /// Farther from the solid than the band.
     Fluid,
-}
-
-/// Which form of the volume is good enough in a cell.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Wish {
-    /// The difference from a flat wall's.
-    Plane,
-    /// The volume itself.
-    Plain,
-    /// Either of them.
-    Either,
 }
 
 /// What the cells are judged by.
@@ -50,8 +39,8 @@ pub struct Judge<'a, D> {
     pub ball: f64,
     /// V_plane.
     pub wall: FlatWall,
-    /// The volume is stored as it is everywhere.
-    pub plain_volume: bool,
+    /// How the volume may be stored: cells are good where one of the forms is. One, once it is chosen.
+    pub forms: &'static [Form],
     /// What a cell's errors may be.
     pub tolerances: Tolerances,
     /// What they may be in place, as a part of the tolerances.
@@ -81,13 +70,16 @@ pub struct CellTree {
 const NORMALS_DOWN_TO: f64 = 0.25;
 /// Part of the support radius that points may lie in the solid and still count.
 pub const DEPTH: f64 = 0.1;
-/// Errors of a cubic through the nodes that a fit brings below the tolerance.
-const BY_FIT: f64 = 3.0;
 /// About: of a sample, and of a cell.
 const BYTES_PER_SAMPLE: u64 = 40;
 const BYTES_PER_CELL: u64 = 600;
 
 impl<D: SignedDistance> Judge<'_, D> {
+    /// How the volume is stored, or may be.
+    pub fn form(&self) -> Form {
+        self.forms[0]
+    }
+
     /// Decides cells and, where they are split, all below them.
     ///
     /// # Errors
@@ -103,7 +95,7 @@ impl<D: SignedDistance> Judge<'_, D> {
             let mut next = Vec::new();
             for (cell, (state, exact)) in cells.into_iter().zip(states) {
                 tree.cells.insert(cell, state);
-                if let State::Band(_) = state {
+                if state == State::Band {
                     tree.new.push(cell);
                 }
                 exact.map(|exact| known.at_probes.insert(cell, exact));
@@ -176,23 +168,15 @@ impl<D: SignedDistance> Judge<'_, D> {
         let nodes = self.lattice.nodes(cell);
         let distance = nodes.map(|key| known.distance.at(key));
         let volume = nodes.map(|key| known.volume.at(key));
-        let difference = std::array::from_fn(|a| volume[a] - self.wall.volume(distance[a]));
-        let plain = self.volume_error(&exact, &CellFields { distance, volume, weights: [0.0; 8] });
-        let plane = match self.plain_volume {
-            true => f64::INFINITY,
-            false => {
-                self.volume_error(&exact, &CellFields { distance, volume: difference, weights: [1.0; 8] })
-            }
+        let error = |&form: &Form| {
+            let volume = std::array::from_fn(|a| volume[a] - form.of_wall(&self.wall, distance[a]));
+            self.volume_error(&exact, &CellFields { distance, volume, form })
         };
-        let wish = match (plane <= BY_FIT, plain <= BY_FIT) {
-            (true, true) => Wish::Either,
-            (true, false) => Wish::Plane,
-            (false, true) => Wish::Plain,
-            _ if cell.level < self.lattice.finest() => return (State::Split, None),
-            _ if plane < plain => Wish::Plane,
-            _ => Wish::Plain,
-        };
-        (State::Band(wish), Some(exact))
+        let smallest = self.forms.iter().map(error).fold(f64::INFINITY, f64::min);
+        match smallest > 1.0 && cell.level < self.lattice.finest() {
+            true => (State::Split, None),
+            false => (State::Band, Some(exact)),
+        }
     }
 
     /// What is known at a cell's probes.
@@ -212,18 +196,12 @@ impl<D: SignedDistance> Judge<'_, D> {
 
     /// Of the volume.
     fn volume_error(&self, exact: &Exact, fields: &CellFields) -> f64 {
-        let volume = self.volumes(fields);
-        let places = volume.iter().zip(&exact.volume).zip(&exact.distance);
+        let (stored, phi) = (probes::values(&fields.volume), probes::values(&fields.distance));
+        let volume = stored.iter().zip(phi).map(|(stored, phi)| stored + fields.form.of_wall(&self.wall, phi));
+        let places = volume.zip(&exact.volume).zip(&exact.distance);
         let fluid = places.filter(|(_, phi)| self.counts(f64::from(**phi)));
         let misses = fluid.map(|((found, exact), _)| (found - f64::from(*exact)).abs());
         misses.fold(0.0, f64::max) / (self.tolerances.volume * self.ball)
-    }
-
-    /// V at the probes, m^3.
-    fn volumes(&self, fields: &CellFields) -> [f64; probes::COUNT] {
-        let mut volumes = probes::values(&fields.volume);
-        self.of_wall(&fields.weights, &fields.distance, |probe, wall| volumes[probe] += wall);
-        volumes
     }
 
     /// Of distance and normal.
@@ -239,16 +217,6 @@ impl<D: SignedDistance> Judge<'_, D> {
         largest
     }
 
-    /// w V_plane(Phi) at the probes where that isn't 0, m^3.
-    fn of_wall(&self, weights: &[f64; 8], distance: &[f64; NODES], mut each: impl FnMut(usize, f64)) {
-        if *weights == [0.0; 8] {
-            return;
-        }
-        for (probe, (phi, parts)) in probes::values(distance).into_iter().zip(&*WEIGHTS).enumerate() {
-            each(probe, part_of(parts, weights) * self.wall.volume(phi));
-        }
-    }
-
     /// Whether fluid can be where Phi is this; beyond the band, too, where the cells that hold its edge reach.
     pub fn counts(&self, phi: f64) -> bool {
         phi >= -DEPTH * self.radius
@@ -259,11 +227,13 @@ impl<D: SignedDistance> Judge<'_, D> {
         &self,
         cell: LevelCell,
         distance: &[f64; NODES],
-        weights: &[f64; 8],
         known: &Known,
     ) -> [f64; probes::COUNT] {
         let mut values = known.at_probes[&cell].volume.map(f64::from);
-        self.of_wall(weights, distance, |probe, wall| values[probe] -= wall);
+        if self.form() != Form::Plain {
+            let walls = probes::values(distance).map(|phi| self.form().of_wall(&self.wall, phi));
+            values.iter_mut().zip(walls).for_each(|(value, wall)| *value -= wall);
+        }
         values
     }
 
@@ -294,29 +264,12 @@ pub struct CellFields {
     pub distance: [f64; NODES],
     /// V - w V_plane(Phi) at the nodes, m^3.
     pub volume: [f64; NODES],
-    /// w at the corners.
-    pub weights: [f64; 8],
+    /// How the volume is stored.
+    pub form: Form,
 }
 
 /// What a cell is, and what is known of it if it is one of the band.
 type Judged = (State, Option<Exact>);
-
-/// Trilinear weights of the corners at the probes.
-static WEIGHTS: LazyLock<[[f64; 8]; probes::COUNT]> =
-    LazyLock::new(|| std::array::from_fn(|probe| trilinear(probes::place(probe))));
-
-/// The trilinear value of these corners.
-pub fn part_of(parts: &[f64; 8], corners: &[f64; 8]) -> f64 {
-    parts.iter().zip(corners).map(|(n, w)| n * w).sum()
-}
-
-/// The parts that the corners' values have in the trilinear value at a place in [-1, 1]^3.
-pub fn trilinear(xi: DVec3) -> [f64; 8] {
-    std::array::from_fn(|corner| {
-        let side = |axis: usize| 0.5 * (1.0 + xi[axis] * (2.0 * (corner >> axis & 1) as f64 - 1.0));
-        side(0) * side(1) * side(2)
-    })
-}
 
 impl CellTree {
     /// Cells that must be split so that cells of the band that touch differ by one level at most.
@@ -355,6 +308,6 @@ impl CellTree {
             }
             near = near.parent();
         }
-        (near.level < place.level && matches!(self.cells[&near], State::Band(_))).then_some(near)
+        (near.level < place.level && self.cells[&near] == State::Band).then_some(near)
     }
 }

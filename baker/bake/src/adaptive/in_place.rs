@@ -1,7 +1,8 @@
 //! Cells in place: their nodes numbered with all constraints, their volumes fitted, their errors measured.
 
-use super::cells::{CellFields, CellTree, Judge, State, Wish, part_of, trilinear};
+use super::cells::{CellFields, CellTree, Judge, State};
 use super::fit::{AGAIN, FIRST, Fit};
+use super::form::Form;
 use super::known::{Fitted, Known};
 use super::lattice::{Key, LevelCell};
 use super::region::{FITTED, Region};
@@ -12,8 +13,8 @@ use crate::sdf::band::joined;
 use glam::{DVec3, UVec3};
 use rayon::prelude::*;
 use volmap_formats::asset::{CellRun, LevelCells};
-use volmap_runtime::layout::serendipity::{NODES, node};
-use volmap_runtime::layout::{CornerWeights, LevelCell as LayoutCell, Levels};
+use volmap_runtime::layout::serendipity::NODES;
+use volmap_runtime::layout::{LevelCell as LayoutCell, Levels};
 
 /// Fields at the free nodes of an adaptive set of cells.
 pub struct Settled {
@@ -25,8 +26,8 @@ pub struct Settled {
     pub distance: Vec<f64>,
     /// V - w V_plane(Phi), m^3.
     pub volume: Vec<f64>,
-    /// w at the free corners, 0 or 1.
-    pub weights: Vec<u32>,
+    /// How it is stored.
+    pub form: Form,
     /// Cells of the finest level whose errors are above the tolerance.
     pub left: Vec<LevelCell>,
 }
@@ -45,9 +46,8 @@ pub struct Numbered {
     layout: Levels,
     /// The band's, each with its place in the tree. In a region, those that are fitted.
     cells: Vec<(LevelCell, LayoutCell)>,
-    /// w at the free corners, and at those of each cell.
-    weights: Vec<u32>,
-    corners: CornerWeights,
+    /// How the volume is stored.
+    form: Form,
     /// All nodes.
     keys: Vec<Key>,
     /// Those that hold their values: where a region ends.
@@ -77,9 +77,6 @@ impl<D: SignedDistance> Judge<'_, D> {
             (LevelCell { level: cell.level, at: cell.index + (plan.margin << cell.level) }, cell)
         };
         let mut cells: Vec<(LevelCell, LayoutCell)> = layout.cells().map(in_tree).collect();
-        let weights = weights(tree, &layout, &cells);
-        let corners = layout.complete_weights(&weights);
-        let at_nodes = weights_at_nodes(layout.count(), &cells, &corners);
         let keys: Vec<Key> = layout.positions().into_iter().map(|place| self.lattice.key_at(place)).collect();
         let mut fixed = vec![false; keys.len()];
         if let Some(region) = region {
@@ -98,10 +95,10 @@ impl<D: SignedDistance> Judge<'_, D> {
         let distance = layout.complete(&free);
         let of_node = |node: usize| match before(node) {
             Some(fitted) => fitted.volume,
-            None => known.volume.at(keys[node]) - at_nodes[node] * self.wall.volume(distance[node]),
+            None => known.volume.at(keys[node]) - self.form().of_wall(&self.wall, distance[node]),
         };
         let difference = (0..keys.len()).into_par_iter().map(of_node).collect();
-        Ok(Numbered { levels, layout, cells, weights, corners, keys, fixed, distance, difference })
+        Ok(Numbered { levels, layout, cells, form: self.form(), keys, fixed, distance, difference })
     }
 
     /// The stored volume at the free nodes that fits best.
@@ -109,7 +106,7 @@ impl<D: SignedDistance> Judge<'_, D> {
         let targets = |n: usize| {
             let (own, cell) = &of.cells[n];
             let distance = cell.nodes.map(|node| of.distance[node as usize]);
-            self.targets(*own, &distance, &of.corners.of(cell.number), known)
+            self.targets(*own, &distance, known)
         };
         let cells: Vec<[u32; NODES]> = of.cells.iter().map(|(_, cell)| cell.nodes).collect();
         let in_fluid: Vec<u32> = of.cells.par_iter().map(|(own, _)| self.in_fluid(*own, known)).collect();
@@ -134,9 +131,8 @@ impl<D: SignedDistance> Judge<'_, D> {
         let volume = of.layout.complete(volume);
         let failing = |(own, cell): &(LevelCell, LayoutCell)| {
             let at_nodes = |values: &[f64]| cell.nodes.map(|node| values[node as usize]);
-            let weights = of.corners.of(cell.number);
-            let fields = CellFields { distance: at_nodes(&of.distance), volume: at_nodes(&volume), weights };
-            let error = self.error(*own, &fields, known);
+            let (distance, volume) = (at_nodes(&of.distance), at_nodes(&volume));
+            let error = self.error(*own, &CellFields { distance, volume, form: of.form }, known);
             (error > self.in_place).then_some((*own, error))
         };
         of.cells.par_iter().filter_map(failing).collect()
@@ -170,34 +166,10 @@ impl Numbered {
 
     /// What there is to store.
     pub fn settled(self, volume: Vec<f64>, left: Vec<LevelCell>) -> Settled {
-        let Numbered { levels, layout, weights, distance, .. } = self;
+        let Numbered { levels, layout, form, distance, .. } = self;
         let distance = layout.free().map(|node| distance[node as usize]).collect();
-        Settled { levels, layout, distance, volume, weights, left }
+        Settled { levels, layout, distance, volume, form, left }
     }
-}
-
-/// A free corner has the plain form, 0, if a cell needs that there, and the other elsewhere.
-fn weights(tree: &CellTree, layout: &Levels, cells: &[(LevelCell, LayoutCell)]) -> Vec<u32> {
-    let mut is_plain = vec![false; layout.count()];
-    for (own, cell) in cells {
-        if tree.cells[own] == State::Band(Wish::Plain) {
-            cell.nodes[..8].iter().for_each(|&corner| is_plain[corner as usize] = true);
-        }
-    }
-    layout.free_corners().map(|corner| u32::from(!is_plain[corner as usize])).collect()
-}
-
-/// w at all nodes. Neighbours agree on their common nodes.
-fn weights_at_nodes(nodes: usize, cells: &[(LevelCell, LayoutCell)], corners: &CornerWeights) -> Vec<f64> {
-    let mut out = vec![0.0; nodes];
-    let parts: [[f64; 8]; NODES] = std::array::from_fn(|a| trilinear(node(a)));
-    for (_, cell) in cells {
-        let own = corners.of(cell.number);
-        for (parts, &node) in parts.iter().zip(&cell.nodes) {
-            out[node as usize] = part_of(parts, &own);
-        }
-    }
-    out
 }
 
 /// The cells of each level as runs, up to the last that has any.
@@ -207,11 +179,11 @@ fn levels(cells: impl Iterator<Item = (LevelCell, State)>, margin: UVec3) -> Vec
         let at = cell.at.wrapping_sub(margin << cell.level);
         let run = CellRun { i: at.x, j: at.y, k: at.z, len: 1 };
         let level = cell.level as usize;
-        if matches!(state, State::Band(_) | State::Solid) && level >= levels.len() {
+        if matches!(state, State::Band | State::Solid) && level >= levels.len() {
             levels.resize(level + 1, LevelCells::default());
         }
         match state {
-            State::Band(_) => levels[level].band.push(run),
+            State::Band => levels[level].band.push(run),
             State::Solid => levels[level].solid.push(run),
             State::Split | State::Fluid => {}
         }

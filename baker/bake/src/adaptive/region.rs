@@ -12,15 +12,33 @@ pub type Region = FxHashMap<LevelCell, u8>;
 pub const FITTED: u8 = 2;
 /// Regions of more than this part of all cells gain nothing.
 const LARGEST: f64 = 0.4;
+/// Regions that stand for the whole map.
+const SAMPLES: usize = 100;
 
 impl CellTree {
     /// Takes the list of new cells; none if all are to be fitted.
     pub fn around_new(&mut self, resolution: UVec3) -> Option<Region> {
         let new = std::mem::take(&mut self.new);
-        let band = |state: &&State| matches!(state, State::Band(_));
-        let most = LARGEST * self.cells.values().filter(band).count() as f64;
-        let new = new.into_iter().filter(|cell| matches!(self.cells[cell], State::Band(_)));
-        let mut region: Region = new.map(|cell| (cell, 0)).collect();
+        self.around(new.into_iter().filter(|cell| self.cells[cell] == State::Band), resolution)
+    }
+
+    /// Some regions spread over the map; none if they would be much of it.
+    pub fn samples(&self, resolution: UVec3) -> Option<Region> {
+        let mut band: Vec<LevelCell> = self.band().collect();
+        LevelCell::sort(&mut band);
+        let step = (band.len() / SAMPLES).max(1);
+        self.around(band.into_iter().step_by(step), resolution)
+    }
+
+    /// Every cell of the band.
+    fn band(&self) -> impl Iterator<Item = LevelCell> {
+        self.cells.iter().filter(|(_, state)| **state == State::Band).map(|(cell, _)| *cell)
+    }
+
+    /// The cells around some of the band; none if they are too large a part of all.
+    fn around(&self, some: impl Iterator<Item = LevelCell>, resolution: UVec3) -> Option<Region> {
+        let most = LARGEST * self.band().count() as f64;
+        let mut region: Region = some.map(|cell| (cell, 0)).collect();
         let mut last: Vec<LevelCell> = region.keys().copied().collect();
         for step in 1..=FITTED + 1 {
             let mut next = Vec::new();
@@ -44,10 +62,10 @@ impl CellTree {
     fn each_touching(&self, cell: LevelCell, resolution: UVec3, mut each: impl FnMut(LevelCell)) {
         for (step, place) in cell.around(resolution) {
             match self.cells.get(&place) {
-                Some(State::Band(_)) => each(place),
+                Some(State::Band) => each(place),
                 Some(State::Split) => {
                     let children = place.children().into_iter().filter(|child| is_beside(*child, step));
-                    let band = |child: &LevelCell| matches!(self.cells.get(child), Some(State::Band(_)));
+                    let band = |child: &LevelCell| matches!(self.cells.get(child), Some(State::Band));
                     children.filter(band).for_each(&mut each);
                 }
                 Some(State::Solid | State::Fluid) => {}

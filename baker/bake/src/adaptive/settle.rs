@@ -84,7 +84,7 @@ impl<D: SignedDistance> Judge<'_, D> {
         self.settle(tree, known, plan)
     }
 
-    fn balance(&self, tree: &mut CellTree, known: &mut Known) -> Result<(), Error> {
+    pub fn balance(&self, tree: &mut CellTree, known: &mut Known) -> Result<(), Error> {
         loop {
             let cells = tree.unbalanced(self.lattice.finest(), self.lattice.grid().resolution);
             if cells.is_empty() {
@@ -125,7 +125,7 @@ impl CellTree {
         let mut cell = LevelCell { level: 0, at: root };
         loop {
             match self.cells.get(&cell)? {
-                State::Band(_) => return Some(cell),
+                State::Band => return Some(cell),
                 State::Split => {}
                 State::Solid | State::Fluid => return None,
             }

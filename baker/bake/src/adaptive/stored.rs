@@ -21,8 +21,14 @@ pub fn adaptive_asset(
         band_cells: coarsest.band,
         solid_cells: coarsest.solid,
         finer: levels.collect(),
-        plane_weight: settled.weights.contains(&1).then(|| settled.weights.clone()),
+        plane_weight: plane_weight(settled),
         ..asset
     };
     Ok((asset, rounding))
+}
+
+/// w at the free corners, where it isn't 0.
+fn plane_weight(settled: &Settled) -> Option<Vec<u32>> {
+    let weight = settled.form.weight();
+    (weight != 0).then(|| vec![weight; settled.layout.free_corner_count()])
 }

@@ -12,8 +12,6 @@ use volmap_runtime::layout::serendipity::{NODES, node, shape};
 use volmap_runtime::layout::{CellIndex, CornerWeights, FlatWall, Held, LevelCell, Levels, Nodes};
 use volmap_runtime::{Grid, layout::Cell};
 
-use super::cells::{part_of, trilinear};
-
 /// The same map with equal cells: the smallest, or, where that were more than `max_cells`, larger ones. Uniform maps stay
 /// as they are.
 ///
@@ -162,4 +160,17 @@ fn without(runs: Vec<CellRun>, others: &[CellRun]) -> Vec<CellRun> {
         free.map(move |i| CellRun { i, len: 1, ..run }).collect::<Vec<_>>()
     };
     joined(runs.into_iter().flat_map(single).collect())
+}
+
+/// The trilinear value of these corners.
+fn part_of(parts: &[f64; 8], corners: &[f64; 8]) -> f64 {
+    parts.iter().zip(corners).map(|(n, w)| n * w).sum()
+}
+
+/// The parts that the corners' values have in the trilinear value at a place in [-1, 1]^3.
+fn trilinear(xi: DVec3) -> [f64; 8] {
+    std::array::from_fn(|corner| {
+        let side = |axis: usize| 0.5 * (1.0 + xi[axis] * (2.0 * (corner >> axis & 1) as f64 - 1.0));
+        side(0) * side(1) * side(2)
+    })
 }
