@@ -60,8 +60,9 @@ use volume::TreeIntegrator;
 const COARSEST: f64 = 4.0;
 /// The finest level: cells of a sixteenth of the support radius.
 const FINEST: u32 = 6;
-/// Errors that cells may have at their probes, in place, as parts of the tolerance: elsewhere they are a little larger.
-const IN_PLACE: f64 = 0.85;
+/// Errors that cells may have at their probes, in place, as parts of the tolerance: the worst of all probes is the worst
+/// of many more points than anybody measures, and what is measured is mended.
+const IN_PLACE: f64 = 1.2;
 /// How often cells are split where the map as stored misses, at most, and at how many points it may.
 const REPAIRS: usize = 5;
 const MOST_REPAIRED: usize = 30;
@@ -127,7 +128,7 @@ pub fn adapt<D: SignedDistance>(
     let plan = plan(problem.extent, &coarse)?;
     let lattice = lattice_of(&plan)?;
     watch.step(Stage::Reference.step())?;
-    let points = fluid_points(problem, settings, &plan);
+    let points = fluid_points(problem, settings, &plan, measure::CANDIDATES);
     if points.is_empty() {
         return Err(no_fluid());
     }

@@ -261,7 +261,7 @@ impl Reference {
         tolerance: f64,
         work: &Work,
     ) -> Result<Reference, Error> {
-        let points = fluid_points(problem, settings, plan);
+        let points = fluid_points(problem, settings, plan, POINTS);
         if points.is_empty() {
             return Err(no_fluid());
         }
@@ -365,15 +365,16 @@ pub(crate) fn integrals(
     points.par_iter().map_init(Neighbours::default, integral).collect()
 }
 
-/// Points with 0 < Phi < 2 r, in any direction from points spread over the surface by area.
+/// So many points with 0 < Phi < 2 r, or fewer, in any direction from points spread over the surface by area.
 pub(crate) fn fluid_points<D: SignedDistance>(
     problem: &SearchProblem<D>,
     settings: &MapSettings,
     plan: &Plan,
+    count: usize,
 ) -> Vec<DVec3> {
     let reach = plan.band_width + settings.thickness.abs();
     let mut surroundings = Surroundings::new(problem.mesh);
-    let candidates: Vec<DVec3> = (0..TRIES * POINTS).map(|_| surroundings.point(reach)).collect();
+    let candidates: Vec<DVec3> = (0..TRIES * count).map(|_| surroundings.point(reach)).collect();
     // All grids hold the domain that was asked for; they differ in how far they grow beyond it.
     let (low, high) = match settings.domain {
         Some(corners) => {
@@ -385,7 +386,15 @@ pub(crate) fn fluid_points<D: SignedDistance>(
         let phi = || problem.phi.at(**x);
         x.cmpge(low).all() && x.cmple(high).all() && (0.0..plan.band_width).contains(&phi())
     };
-    candidates.iter().filter(is_near).take(POINTS).copied().collect()
+    let mut points = Vec::with_capacity(2 * count);
+    for some in candidates.chunks(count) {
+        points.par_extend(some.par_iter().filter(is_near).copied());
+        if points.len() >= count {
+            break;
+        }
+    }
+    points.truncate(count);
+    points
 }
 
 /// Random points around a surface.

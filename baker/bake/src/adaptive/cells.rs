@@ -70,6 +70,9 @@ pub struct CellTree {
 const NORMALS_DOWN_TO: f64 = 0.25;
 /// Part of the support radius that points may lie in the solid and still count.
 pub const DEPTH: f64 = 0.1;
+/// Errors of a cubic through the nodes that a fit brings below the tolerance. Where more is left to later rounds, they
+/// split more.
+const BY_FIT: f64 = 1.3;
 /// About: of a sample, and of a cell.
 const BYTES_PER_SAMPLE: u64 = 40;
 const BYTES_PER_CELL: u64 = 600;
@@ -173,7 +176,7 @@ impl<D: SignedDistance> Judge<'_, D> {
             self.volume_error(&exact, &CellFields { distance, volume, form })
         };
         let smallest = self.forms.iter().map(error).fold(f64::INFINITY, f64::min);
-        match smallest > 1.0 && cell.level < self.lattice.finest() {
+        match smallest > BY_FIT && cell.level < self.lattice.finest() {
             true => (State::Split, None),
             false => (State::Band, Some(exact)),
         }

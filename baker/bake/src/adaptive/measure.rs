@@ -14,6 +14,8 @@ use volmap_runtime::VolumeMap;
 
 /// Points at which the exact volume is integrated: as many at random as where the error looks largest.
 const POINTS: usize = 100;
+/// Points among which those are found.
+pub(super) const CANDIDATES: usize = 3000;
 
 /// Part of the tolerance of the volume above which a point is missed: other points have larger errors than those few.
 const SPARE: f64 = 0.9;
