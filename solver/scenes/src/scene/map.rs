@@ -153,14 +153,14 @@ impl<'a> Library<'a> {
         let mut body = body.clone();
         body.shape = self.bounded(body.shape, body.pose());
         if body.turns() && !gives_cells(&body.bake) && self.density.is_none() {
-            body.bake = self.by_errors(body.bake);
+            body.bake = self.by_errors(body.bake, 1.0);
         }
         body
     }
 
-    /// With cells of several sizes, as exact as the closure needs.
-    fn by_errors(&self, mut given: Parameters) -> Parameters {
-        given.tolerance = Some(Tolerance(self.errors.volume));
+    /// With cells of several sizes, as exact as the closure needs; volumes may be so many times as wrong.
+    fn by_errors(&self, mut given: Parameters, times: f64) -> Parameters {
+        given.tolerance = Some(Tolerance(times * self.errors.volume));
         given.distance_tolerance = Some(RadiusPart(self.errors.distance));
         if !given.gives(Group::Precision) {
             given.precision = Some(PrecisionName::F32);
@@ -276,6 +276,16 @@ impl<'a> Library<'a> {
         Err(Error::Scene { place: format!("{key}.map"), reason })
     }
 
+    fn note_larger_error(&mut self, path: &Path, times: f64) {
+        let percent = 100.0 * self.errors.volume;
+        self.notes.push(format!(
+            "{}: volumes may be wrong by {} % of the full ball instead of {percent} %, for which the bake would need more \
+             memory than is allowed; allow more (--max-memory), or choose by `bake.tolerance` or `bake.cell_size`",
+            path.display(),
+            times * percent
+        ));
+    }
+
     fn note_coarse_cells(&mut self, path: &Path, map: &VolumeMap) {
         let (cell, most) = (map.grid().cell_size.max_element(), COARSE * self.cell_size);
         if map.levels() == 1 && map.exterior() == Exterior::Solid && cell > most {
@@ -298,8 +308,11 @@ impl<'a> Library<'a> {
         let mut recipe = self.recipe(given, density);
         let mut identity = content_key::identify(path, recipe.effective())?;
         let mut input = content_key::load(path, &recipe, &identity)?;
-        if !gives_cells(given) && self.is_large(&input, &recipe) {
-            recipe = self.recipe(&self.by_errors(given.clone()), density);
+        if let Some(times) = self.times_error(given, &input, &recipe) {
+            if times > 1.0 {
+                self.note_larger_error(path, times);
+            }
+            recipe = self.recipe(&self.by_errors(given.clone(), times), density);
             identity = identity.with_parameters(recipe.effective());
         }
         let key = identity.key;
@@ -325,20 +338,18 @@ impl<'a> Library<'a> {
         Ok(Shape { map: Arc::new(map), mesh: Some(mesh), primitive, surface, origin, content })
     }
 
-    /// Whether equal cells would be so many that cells of several sizes, as exact as the closure needs, are worth their
-    /// search. Maps with a density have equal cells.
-    fn is_large(&self, input: &Input, recipe: &Recipe) -> bool {
+    /// How many times as wrong as the closure would have them volumes may be, in cells of several sizes, so that these are
+    /// found in the memory that is allowed. None where nothing is gained: cells that are given, or so few equal ones that
+    /// no search is worth it, maps with a density, which have equal cells, or too little memory for any search.
+    fn times_error(&self, given: &Parameters, input: &Input, recipe: &Recipe) -> Option<f64> {
         let map = &recipe.bake.map;
-        if map.density.is_some() || input.placed_shape.is_some_and(|placed| placed.shape().is_unbounded()) {
-            return false;
+        let is_endless = input.placed_shape.is_some_and(|placed| placed.shape().is_unbounded());
+        if gives_cells(given) || map.density.is_some() || is_endless {
+            return None;
         }
-        let area = |[a, b, c]: [DVec3; 3]| 0.5 * (b - a).cross(c - a).length();
-        let corners = |triangle: &[u32; 3]| triangle.map(|v| DVec3::from(input.mesh.vertices[v as usize]));
-        let area = input.mesh.triangles.iter().map(|triangle| area(corners(triangle))).sum();
-        let [min, max] = input::bounds(&input.mesh);
-        let unlimited = MapSettings { max_memory: u64::MAX, ..map.clone() };
-        let cells = plan(&Extent { min, max, area }, &unlimited).map_or(0, |plan| plan.estimate.cells);
-        (MOST_EQUAL_CELLS + 1..=map.max_memory / BYTES_OF_SEARCH).contains(&cells)
+        let cells = equal_cells(input, map).filter(|cells| *cells > MOST_EQUAL_CELLS)?;
+        let needed = (cells * BYTES_OF_SEARCH) as f64;
+        [1.0, 2.0, 4.0, 8.0].into_iter().find(|times| needed <= times * map.max_memory as f64)
     }
 
     /// Bakes, and keeps what came of it if it can.
@@ -427,10 +438,20 @@ fn gives_cells(given: &Parameters) -> bool {
     given.gives(Group::Cells) || given.distance_tolerance.is_some() || given.normal_tolerance.is_some()
 }
 
+/// How many equal cells there would be, about, whatever is allowed; none if that can't be planned.
+fn equal_cells(input: &Input, map: &MapSettings) -> Option<u64> {
+    let area = |[a, b, c]: [DVec3; 3]| 0.5 * (b - a).cross(c - a).length();
+    let corners = |triangle: &[u32; 3]| triangle.map(|v| DVec3::from(input.mesh.vertices[v as usize]));
+    let area = input.mesh.triangles.iter().map(|triangle| area(corners(triangle))).sum();
+    let [min, max] = input::bounds(&input.mesh);
+    let unlimited = MapSettings { max_memory: u64::MAX, ..map.clone() };
+    plan(&Extent { min, max, area }, &unlimited).ok().map(|plan| plan.estimate.cells)
+}
+
 /// Equal cells of a map, at most: 3 MB or so, which are as quickly baked as cells of several sizes are found.
 const MOST_EQUAL_CELLS: u64 = 50_000;
-/// Memory of the search for cells of several sizes, for each equal cell instead, about: a canyon of 43 million, rough and
-/// 1,500 support radii long, takes 10.3 GB. What needs more than is allowed is refused for its equal cells, at once.
+/// Memory of the search for cells of several sizes, bytes for each equal cell instead, about: a canyon of 43 million,
+/// rough and 1,500 support radii long, takes 10.3 GB. With twice the error it takes half of that.
 const BYTES_OF_SEARCH: u64 = 240;
 
 /// Containers with cells so many times larger are worth a note.
