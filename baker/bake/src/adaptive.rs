@@ -60,12 +60,8 @@ use volume::TreeIntegrator;
 const COARSEST: f64 = 4.0;
 /// The finest level: cells of a sixteenth of the support radius.
 const FINEST: u32 = 6;
-/// Errors that cells may have at their probes, in place, as parts of the tolerance: the worst of all probes is the worst
-/// of many more points than anybody measures, and what is measured is mended.
-const IN_PLACE: f64 = 1.2;
-/// How often cells are split where the map as stored misses, at most, and at how many points it may.
+/// How often cells are split where the map as stored misses, at most.
 const REPAIRS: usize = 5;
-const MOST_REPAIRED: usize = 30;
 /// Error of Phi on the tree, in support radii for each part of the ball: V on it is then wrong by less than
 /// half of the tolerance, by a tenth as a rule.
 const TREE: f64 = 0.5;
@@ -79,6 +75,10 @@ pub struct Adapted {
     pub tolerances: Tolerances,
     /// The errors of the map as it is stored.
     pub errors: MapErrors,
+    /// Points among which they were looked for.
+    pub points: usize,
+    /// The volume is stored as its difference from a flat wall's.
+    pub by_difference: bool,
     /// Edge of the cells of level 0, metres.
     pub coarsest: f64,
     /// Cells of each level.
@@ -181,7 +181,6 @@ impl<D: SignedDistance> Search<'_, D> {
             wall: FlatWall::new(radius, ball),
             forms: self.forms(),
             tolerances: self.tolerances,
-            in_place: IN_PLACE,
             phi: self.phi,
             integrator: &TreeIntegrator::new(&tree, &rule, radius),
             polynomial_level: polynomial_level(&self.lattice, radius, self.tolerances.volume),
@@ -209,10 +208,6 @@ impl<D: SignedDistance> Search<'_, D> {
                 let found = self.found(errors, &asset, &settled);
                 return Ok((settled, asset, rounding, found));
             }
-            if missed.len() > MOST_REPAIRED {
-                // It isn't a matter of places.
-                judge.in_place *= (0.95 / self.excess(&errors)).clamp(0.5, 0.95);
-            }
             settled = judge.repair(&missed, &mut cells, &mut known, self.plan)?;
         }
         unreachable!("the last repair returns")
@@ -235,13 +230,6 @@ impl<D: SignedDistance> Search<'_, D> {
         Reference::new(self.phi, self.plan.support_radius, self.reference_rule(), estimate, self.points)
     }
 
-    /// The largest error as a part of what is allowed.
-    fn excess(&self, errors: &MapErrors) -> f64 {
-        let Tolerances { volume, distance, normal } = self.tolerances;
-        let of_normal = normal.map_or(0.0, |normal| errors.normal.max / normal);
-        (errors.volume.max / volume).max(errors.distance.max / distance).max(of_normal)
-    }
-
     /// The cells of the map's grid, on the lattice of the larger one on which Phi is needed.
     fn roots(&self) -> Vec<LevelCell> {
         let cell = |at| LevelCell { level: 0, at: self.plan.margin + at };
@@ -252,6 +240,8 @@ impl<D: SignedDistance> Search<'_, D> {
         Adapted {
             tolerances: self.tolerances,
             errors,
+            points: self.points.len(),
+            by_difference: asset.plane_weight.is_some(),
             coarsest: self.plan.grid.cell_size.x,
             cells: asset.cells_by_level(),
             left: settled.left.len(),

@@ -283,16 +283,19 @@ fn fmt_levels(found: &Adapted, cells: u64, f: &mut Formatter) -> fmt::Result {
         format!("{} of {} m", thousands(*count), digits(edge))
     };
     let levels: Vec<String> = found.cells.iter().enumerate().map(level).collect();
-    writeln!(f, "cells      {}: {}", thousands(cells), levels.join(", "))?;
+    let form =
+        if found.by_difference { "stored as its difference from a flat wall's" } else { "stored as it is" };
+    writeln!(f, "cells      {}: {}; volume {form}", thousands(cells), levels.join(", "))?;
     let (asked, errors) = (&found.tolerances, &found.errors);
     writeln!(
         f,
-        "tolerance  {} of the ball: largest error {}, rms {}, at {} of 1,000 points of the fluid, against {} on the \
+        "tolerance  {} of the ball: largest error {}, rms {}, at {} of {} points of the fluid, against {} on the \
          exact distance",
         percent(asked.volume),
         percent(errors.volume.max),
         percent(errors.volume.rms),
         thousands(errors.volume.points as u64),
+        thousands(found.points as u64),
         found.reference
     )?;
     writeln!(

@@ -10,7 +10,7 @@ use volmap_runtime::{ClosureKind, DVec3, KernelKind};
 use volmap_scenes::scene::map::Origin;
 use volmap_scenes::scene::{
     Block, Body, EmitterSettings, Fill, Keyframe, Motion, Nozzle, Prepared, Region, Rotation, Scene, Spin,
-    load, prepare,
+    load, memory::Limit, prepare, prepare_within,
 };
 
 fn data(name: &str) -> PathBuf {
@@ -70,6 +70,27 @@ fn bodies_that_turn_have_cells_as_exact_as_the_closure_needs() {
         assert_eq!(levels(motion.clone(), None) > 1, turns, "{motion:?}");
     }
     assert_eq!(levels(spin(5.0), Some(0.1)), 1, "what the scene says holds");
+}
+
+/// The search for cells takes memory in proportion to how exact they are.
+#[test]
+fn volumes_are_less_exact_where_memory_is_short_and_that_is_told() {
+    let cache = tempfile::tempdir().unwrap();
+    let body = body(Parameters { invert: Some(true), ..Parameters::default() });
+    let blocks = vec![cube([0.0, 1.0, 0.0], 1.0)];
+    let closure = Some(ClosureKind::Mirror);
+    let scene = Scene { closure, particle_radius: 0.08, bodies: vec![body], blocks, ..scene(&cache) };
+    let within = |bytes| {
+        let prepared = prepare_within(&scene, Limit { bytes, end: 0.1 }, &Watch::default(), &mut |_| ());
+        let prepared = prepared.map_err(|error| error.to_string()).unwrap();
+        let told = prepared.notes.into_iter().find(|note| note.contains("volumes may be wrong by"));
+        (prepared.bodies[0].map.memory_bytes(), told)
+    };
+    let (exact, nothing) = within(200_000_000);
+    let (rough, told) = within(40_000_000);
+    assert_eq!(nothing, None);
+    assert!(told.is_some_and(|note| note.contains("4 % of the full ball instead of 1 %")), "after 2 %");
+    assert!(rough <= exact, "{rough} {exact}");
 }
 
 #[test]

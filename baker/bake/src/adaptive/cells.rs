@@ -43,8 +43,6 @@ pub struct Judge<'a, D> {
     pub forms: &'static [Form],
     /// What a cell's errors may be.
     pub tolerances: Tolerances,
-    /// What they may be in place, as a part of the tolerances.
-    pub in_place: f64,
     /// The exact distance.
     pub phi: &'a D,
     /// Eq. 12.
@@ -200,7 +198,8 @@ impl<D: SignedDistance> Judge<'_, D> {
     /// Of the volume.
     fn volume_error(&self, exact: &Exact, fields: &CellFields) -> f64 {
         let (stored, phi) = (probes::values(&fields.volume), probes::values(&fields.distance));
-        let volume = stored.iter().zip(phi).map(|(stored, phi)| stored + fields.form.of_wall(&self.wall, phi));
+        let volume =
+            stored.iter().zip(phi).map(|(stored, phi)| stored + fields.form.of_wall(&self.wall, phi));
         let places = volume.zip(&exact.volume).zip(&exact.distance);
         let fluid = places.filter(|(_, phi)| self.counts(f64::from(**phi)));
         let misses = fluid.map(|((found, exact), _)| (found - f64::from(*exact)).abs());
@@ -226,12 +225,7 @@ impl<D: SignedDistance> Judge<'_, D> {
     }
 
     /// What the stored volume should be at a cell's probes, m^3.
-    pub fn targets(
-        &self,
-        cell: LevelCell,
-        distance: &[f64; NODES],
-        known: &Known,
-    ) -> [f64; probes::COUNT] {
+    pub fn targets(&self, cell: LevelCell, distance: &[f64; NODES], known: &Known) -> [f64; probes::COUNT] {
         let mut values = known.at_probes[&cell].volume.map(f64::from);
         if self.form() != Form::Plain {
             let walls = probes::values(distance).map(|phi| self.form().of_wall(&self.wall, phi));

@@ -308,22 +308,26 @@ impl<'a> Library<'a> {
         let mut recipe = self.recipe(given, density);
         let mut identity = content_key::identify(path, recipe.effective())?;
         let mut input = content_key::load(path, &recipe, &identity)?;
-        if let Some(times) = self.times_error(given, &input, &recipe) {
-            if times > 1.0 {
-                self.note_larger_error(path, times);
+        let mut times = self.times_error(given, &input, &recipe);
+        let found = loop {
+            if let Some(times) = times {
+                recipe = self.recipe(&self.by_errors(given.clone(), times), density);
+                identity = identity.with_parameters(recipe.effective());
             }
-            recipe = self.recipe(&self.by_errors(given.clone(), times), density);
-            identity = identity.with_parameters(recipe.effective());
-        }
-        let key = identity.key;
-        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-        let cached = self.cache.join(format!("{stem}-{}.h5", &key[..24]));
-        let opened = cached.is_file().then(|| asset::read(&cached).ok()).flatten();
-        let opened = opened.and_then(|asset| Some((VolumeMap::from_asset(&asset).ok()?, asset)));
-        let ((map, asset), origin) = match opened {
-            Some(opened) => (opened, Origin::Cache),
-            None => (self.baked(path, &cached, input.clone(), &recipe)?, Origin::Baked),
+            let found = self.cached_or_baked(path, &identity.key, input.clone(), &recipe);
+            match times {
+                Some(before) if found.as_ref().is_err_and(is_of_memory) && before < MOST_TIMES => {
+                    times = Some(2.0 * before)
+                }
+                _ => break found,
+            }
         };
+        let (asset, opened) = found.map_err(|error| cannot_bake(path, error))?;
+        let origin = if opened.is_some() { Origin::Cache } else { Origin::Baked };
+        let map = opened.map_or_else(|| VolumeMap::from_asset(&asset), Ok)?;
+        if let Some(times) = times.filter(|times| *times > 1.0) {
+            self.note_larger_error(path, times);
+        }
         self.note_warnings(path, &asset);
         let diagnosis = prepare(&mut input.mesh, recipe.bake.keep_orientation).diagnosis;
         // The bake has found whether there are any: looking for them takes as long as building the tree.
@@ -334,7 +338,7 @@ impl<'a> Library<'a> {
         let mesh = Arc::new(input.mesh);
         let outer = union.map_or(mesh.clone(), Arc::new);
         let surface = Surface::new(outer, primitive, recipe.bake.map.surface_offset());
-        let content = *blake3::hash(key.as_bytes()).as_bytes();
+        let content = *blake3::hash(identity.key.as_bytes()).as_bytes();
         Ok(Shape { map: Arc::new(map), mesh: Some(mesh), primitive, surface, origin, content })
     }
 
@@ -349,28 +353,36 @@ impl<'a> Library<'a> {
         }
         let cells = equal_cells(input, map).filter(|cells| *cells > MOST_EQUAL_CELLS)?;
         let needed = (cells * BYTES_OF_SEARCH) as f64;
-        [1.0, 2.0, 4.0, 8.0].into_iter().find(|times| needed <= times * map.max_memory as f64)
+        [1.0, 2.0, 4.0, MOST_TIMES].into_iter().find(|times| needed <= times * map.max_memory as f64)
     }
 
-    /// Bakes, and keeps what came of it if it can.
-    fn baked(
+    /// From the cache, opened as a map already, or baked, and what came of it kept if that can be.
+    fn cached_or_baked(
         &mut self,
         path: &Path,
-        cached: &Path,
+        key: &str,
         input: Input,
         recipe: &Recipe,
-    ) -> Result<(VolumeMap, Asset), Error> {
-        self.watch.check()?;
+    ) -> Result<(Asset, Option<VolumeMap>), volmap_bake::Error> {
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+        let cached = self.cache.join(format!("{stem}-{}.h5", &key[..24]));
+        let opened = cached.is_file().then(|| asset::read(&cached).ok()).flatten();
+        if let Some((asset, Ok(map))) = opened.map(|asset| {
+            let map = VolumeMap::from_asset(&asset);
+            (asset, map)
+        }) {
+            return Ok((asset, Some(map)));
+        }
         (self.on_bake)(path);
-        let asset = bake(input, &recipe.bake, self.watch).map_err(|error| cannot_bake(path, error))?.asset;
+        let asset = bake(input, &recipe.bake, self.watch)?.asset;
         let kept = std::fs::create_dir_all(&self.cache).map_err(|error| error.to_string());
         let kept = kept.and_then(|()| {
-            asset::write(cached, &asset, recipe.compression).map_err(|error| error.to_string())
+            asset::write(&cached, &asset, recipe.compression).map_err(|error| error.to_string())
         });
         if let Err(error) = kept {
             self.notes.push(format!("{}: the map is not kept in the cache: {error}", path.display()));
         }
-        Ok((VolumeMap::from_asset(&asset)?, asset))
+        Ok((asset, None))
     }
 
     fn open_asset(&mut self, path: &Path) -> Result<Shape, Error> {
@@ -450,12 +462,22 @@ fn equal_cells(input: &Input, map: &MapSettings) -> Option<u64> {
 
 /// Equal cells of a map, at most: 3 MB or so, which are as quickly baked as cells of several sizes are found.
 const MOST_EQUAL_CELLS: u64 = 50_000;
-/// Memory of the search for cells of several sizes, bytes for each equal cell instead, about: a canyon of 43 million,
-/// rough and 1,500 support radii long, takes 10.3 GB. With twice the error it takes half of that.
+/// Memory of the search for cells of several sizes, bytes for each equal cell instead, about: a canyon of 43 million, rough
+/// and 1,500 support radii long, takes 240. With twice the error it takes half of that.
 const BYTES_OF_SEARCH: u64 = 240;
+/// How many times as wrong volumes may be where memory is short.
+const MOST_TIMES: f64 = 8.0;
 
 /// Containers with cells so many times larger are worth a note.
 const COARSE: f64 = 1.2;
+
+/// Whether a bake would need more memory than is allowed.
+fn is_of_memory(error: &volmap_bake::Error) -> bool {
+    match error {
+        volmap_bake::Error::Sized { reason, .. } => is_of_memory(reason),
+        error => matches!(error, volmap_bake::Error::Memory { .. }),
+    }
+}
 
 /// What a bake says of its parameters, with the mesh that it is about and the scene's keys.
 fn cannot_bake(path: &Path, error: volmap_bake::Error) -> Error {
