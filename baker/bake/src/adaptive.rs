@@ -5,12 +5,13 @@
 //! tree      Phi on a tree of cells of its own, as fine as Eq. 12 needs       (distance_tree)
 //! V(x)      Eq. 12 on that tree, at any point                                (volume)
 //! cells     split where Phi, V or the normal miss within                     (cells)
-//! form      V as it is, or as its difference from a flat wall's               (form)
-//! settle    2:1 balance, constraints, weights; split what misses in place    (settle, fit)
+//! form      V as it is, or as its difference from a flat wall's               (choose)
+//! settle    2:1 balance, constraints; split what misses in place             (settle, fit)
 //! measure   the map as stored, against the exact distance; split where it misses   (stored, measure)
 //! ```
 
 mod cells;
+mod choose;
 mod distance_tree;
 mod fit;
 mod form;
