@@ -19,7 +19,7 @@ pub(crate) struct Walls {
     wall: FlatWall,
     /// The different weights, as the coefficients of 1, x, y, z, xy, xz, yz, xyz. The first has none.
     palette: Vec<[f64; 8]>,
-    /// Place in the palette, of each stored cell.
+    /// Place in the palette, of each stored cell; empty if all have the last one.
     of_cell: Vec<u32>,
 }
 
@@ -35,7 +35,10 @@ impl Walls {
             palette.len() as u32 - 1
         };
         let places: Vec<u32> = weights.palette.iter().enumerate().map(place).collect();
-        let of_cell = weights.of_cell.iter().map(|&at| places[at as usize]).collect();
+        let of_cell = match places[..] {
+            [1] => Vec::new(),
+            _ => weights.of_cell.iter().map(|&at| places[at as usize]).collect(),
+        };
         Walls { wall, palette, of_cell }
     }
 
@@ -45,7 +48,10 @@ impl Walls {
 
     #[inline(always)]
     fn entry(&self, tree: &Tree, place: Place) -> usize {
-        self.of_cell[tree.cell(place)] as usize
+        match self.of_cell.is_empty() {
+            true => 1,
+            false => self.of_cell[tree.cell(place)] as usize,
+        }
     }
 
     #[inline(always)]

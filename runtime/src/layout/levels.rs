@@ -265,6 +265,15 @@ impl Levels {
 
     /// The weights at the corners of all cells, from those at the free corner nodes. Panics if they are fewer.
     pub fn complete_weights(&self, free: &[u32]) -> CornerWeights {
+        // The same everywhere, as a rule.
+        if let [first, rest @ ..] = free
+            && rest.iter().all(|weight| weight == first)
+        {
+            return CornerWeights {
+                palette: vec![[f64::from(*first); 8]],
+                of_cell: vec![0; self.cell_count()],
+            };
+        }
         let mut all = vec![0.0; self.count()];
         for (place, number) in self.free_corners().enumerate() {
             all[number as usize] = f64::from(free[place]);
