@@ -80,11 +80,12 @@ fn adaptive_maps_keep_their_tolerance_at_other_points() {
     }
 }
 
-/// Distance and normal have tolerances of their own.
+/// Distance and normal have tolerances of their own. Beside a sphere's mesh, which is convex, the normal jumps nowhere;
+/// where it does, cells of a quarter of the support radius are the last that are split for it.
 #[test]
 fn distances_and_normals_are_as_exact_as_asked_for() {
     let plain = Tolerances { volume: 0.1, distance: 0.5, normal: None };
-    let (mesh, scale, invert) = MESHES[1];
+    let (mesh, scale, invert) = MESHES[0];
     let baked =
         |tolerances| baked(mesh, scale, invert, GridChoice::Tolerance(tolerances)).summary.adapted.unwrap();
     let (coarse, errors) = (baked(plain), |found: &Adapted| found.errors);

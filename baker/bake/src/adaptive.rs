@@ -63,6 +63,9 @@ const COARSEST: f64 = 4.0;
 const FINEST: u32 = 6;
 /// How often cells are split where the map as stored misses, at most.
 const REPAIRS: usize = 5;
+/// From this repair on distance and normal, if they still miss, are asked to be more exact everywhere: it isn't a matter of
+/// places then.
+const TIGHTENED_FROM: usize = 2;
 /// Error of Phi on the tree, in support radii for each part of the ball: V on it is then wrong by less than
 /// half of the tolerance, by a tenth as a rule.
 const TREE: f64 = 0.5;
@@ -182,6 +185,7 @@ impl<D: SignedDistance> Search<'_, D> {
             wall: FlatWall::new(radius, ball),
             forms: self.forms(),
             tolerances: self.tolerances,
+            of_surface: 1.0,
             phi: self.phi,
             integrator: &TreeIntegrator::new(&tree, &rule, radius),
             polynomial_level: polynomial_level(&self.lattice, radius, self.tolerances.volume),
@@ -209,6 +213,9 @@ impl<D: SignedDistance> Search<'_, D> {
                 let found = self.found(errors, &asset, &settled);
                 return Ok((settled, asset, rounding, found));
             }
+            if repairs >= TIGHTENED_FROM {
+                judge.of_surface *= (0.95 / self.surface_excess(&errors)).clamp(0.5, 1.0);
+            }
             settled = judge.repair(&missed, &mut cells, &mut known, self.plan)?;
         }
         unreachable!("the last repair returns")
@@ -229,6 +236,12 @@ impl<D: SignedDistance> Search<'_, D> {
     /// `estimate` is by its rule.
     fn reference(&self, estimate: &TreeIntegrator) -> Reference<'_, D> {
         Reference::new(self.phi, self.plan.support_radius, self.reference_rule(), estimate, self.points)
+    }
+
+    /// The largest error of distance and normal as a part of what is allowed.
+    fn surface_excess(&self, errors: &MapErrors) -> f64 {
+        let of_normal = self.tolerances.normal.map_or(0.0, |normal| errors.normal.max / normal);
+        of_normal.max(errors.distance.max / self.tolerances.distance)
     }
 
     /// The cells of the map's grid, on the lattice of the larger one on which Phi is needed.

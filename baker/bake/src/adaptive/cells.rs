@@ -43,6 +43,8 @@ pub struct Judge<'a, D> {
     pub forms: &'static [Form],
     /// What a cell's errors may be.
     pub tolerances: Tolerances,
+    /// What those of distance and normal may be in place, as a part of the tolerances.
+    pub of_surface: f64,
     /// The exact distance.
     pub phi: &'a D,
     /// Eq. 12.
@@ -71,6 +73,9 @@ pub const DEPTH: f64 = 0.1;
 /// Errors of a cubic through the nodes that a fit brings below the tolerance. Where more is left to later rounds, they
 /// split more.
 const BY_FIT: f64 = 1.3;
+/// Error of the volume that cells may have at their probes, in place, as a part of the tolerance: the worst of all probes
+/// is the worst of many more points than anybody measures, and what is measured is mended.
+const IN_PLACE: f64 = 1.2;
 /// About: of a sample, and of a cell.
 const BYTES_PER_SAMPLE: u64 = 40;
 const BYTES_PER_CELL: u64 = 600;
@@ -189,10 +194,14 @@ impl<D: SignedDistance> Judge<'_, D> {
         }
     }
 
-    /// Largest error of a cell with these fields at its probes, as a part of the tolerances.
+    /// Largest error of a cell with these fields at its probes, as a part of what it may be in place.
     pub fn error(&self, cell: LevelCell, fields: &CellFields, known: &Known) -> f64 {
         let exact = &known.at_probes[&cell];
-        self.volume_error(exact, fields).max(self.surface_error(cell, &exact.distance, &fields.distance))
+        (self.volume_error(exact, fields) / IN_PLACE).max(self.surface_error(
+            cell,
+            &exact.distance,
+            &fields.distance,
+        ))
     }
 
     /// Of the volume.

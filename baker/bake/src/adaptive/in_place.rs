@@ -16,9 +16,6 @@ use volmap_formats::asset::{CellRun, LevelCells};
 use volmap_runtime::layout::serendipity::NODES;
 use volmap_runtime::layout::{LevelCell as LayoutCell, Levels};
 
-/// Errors that cells may have at their probes, in place, as parts of the tolerance: the worst of all probes is the worst
-/// of many more points than anybody measures, and what is measured is mended.
-const IN_PLACE: f64 = 1.2;
 /// Fields at the free nodes of an adaptive set of cells.
 pub struct Settled {
     /// Cells of level 0, 1, ..
@@ -129,14 +126,14 @@ impl<D: SignedDistance> Judge<'_, D> {
         volume
     }
 
-    /// Cells whose errors are too large, with all constraints in place, and the largest as a part of its tolerance.
+    /// Cells whose errors are too large, with all constraints in place.
     pub fn failing(&self, of: &Numbered, volume: &[f64], known: &Known) -> Vec<(LevelCell, f64)> {
         let volume = of.layout.complete(volume);
         let failing = |(own, cell): &(LevelCell, LayoutCell)| {
             let at_nodes = |values: &[f64]| cell.nodes.map(|node| values[node as usize]);
             let (distance, volume) = (at_nodes(&of.distance), at_nodes(&volume));
             let error = self.error(*own, &CellFields { distance, volume, form: of.form }, known);
-            (error > IN_PLACE).then_some((*own, error))
+            (error > 1.0).then_some((*own, error))
         };
         of.cells.par_iter().filter_map(failing).collect()
     }
