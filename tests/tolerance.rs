@@ -1,11 +1,11 @@
 //! Maps baked for a tolerance, against the error measured at other points.
 
-use volmap_bake::adaptive::Adapted;
 use volmap_bake::bake::{Bake, BakeSettings, bake};
 use volmap_bake::input::{InputSettings, from_shape, load};
 use volmap_bake::plan::{GridChoice, MapSettings};
 use volmap_bake::sdf::{MeshDistance, SignMethod};
 use volmap_bake::settings::Tolerances;
+use volmap_bake::summary::Summary;
 use volmap_bake::volume_map::extension::extension;
 use volmap_bake::volume_map::quadrature::Rule;
 use volmap_bake::watch::Watch;
@@ -81,20 +81,28 @@ fn adaptive_maps_keep_their_tolerance_at_other_points() {
 }
 
 /// Distance and normal have tolerances of their own. Beside a sphere's mesh, which is convex, the normal jumps nowhere;
-/// where it does, cells of a quarter of the support radius are the last that are split for it.
+/// beside a torus' facets it does, where cells of a quarter of the support radius are the last that are split for it: what
+/// it misses is told.
 #[test]
 fn distances_and_normals_are_as_exact_as_asked_for() {
     let plain = Tolerances { volume: 0.1, distance: 0.5, normal: None };
-    let (mesh, scale, invert) = MESHES[0];
-    let baked =
-        |tolerances| baked(mesh, scale, invert, GridChoice::Tolerance(tolerances)).summary.adapted.unwrap();
-    let (coarse, errors) = (baked(plain), |found: &Adapted| found.errors);
-    let by_distance = baked(Tolerances { distance: 0.005, ..plain });
+    let [sphere, torus] = [0, 1].map(|n| {
+        let (mesh, scale, invert) = MESHES[n];
+        move |tolerances| baked(mesh, scale, invert, GridChoice::Tolerance(tolerances)).summary
+    });
+    let errors = |found: &Summary| found.adapted.as_ref().unwrap().errors;
+    let coarse = torus(plain);
+    let by_distance = torus(Tolerances { distance: 0.005, ..plain });
     assert!(errors(&by_distance).distance.max <= 0.005 && errors(&coarse).distance.max > 0.005);
     let angle = 4f64.to_radians();
-    let by_normal = baked(Tolerances { normal: Some(angle), ..plain });
-    let found = [&by_normal, &coarse].map(|found| errors(found).normal.max.to_degrees());
+    let by_normal = Tolerances { normal: Some(angle), ..plain };
+    let found = [by_normal, plain].map(|asked| errors(&sphere(asked)).normal.max.to_degrees());
     assert!(found[0] <= 4.0 && found[1] > 4.0, "{found:?}");
+    let by_normal = torus(by_normal);
+    let found = [&by_normal, &coarse].map(|found| errors(found).normal.max.to_degrees());
+    assert!(found[0] < 5.0 && found[1] > 10.0, "{found:?}");
+    let told = by_normal.warnings.iter().any(|warning| warning.contains("misses its tolerance: the normal"));
+    assert_eq!(told, found[0] > 4.0, "{:?}", by_normal.warnings);
 }
 
 /// Of a flat wall there is nothing to store but the distance: a plate's map has large cells but at its rims.

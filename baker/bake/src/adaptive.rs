@@ -199,6 +199,7 @@ impl<D: SignedDistance> Search<'_, D> {
             judge.choose(&mut cells, &mut known, self.plan)?;
             // Once more with that form alone: cells in which only the other would do cost more later.
             cells = CellTree::default();
+            known.at_probes.clear();
             judge.decide(self.roots(), &mut cells, &mut known)?;
         }
         let mut settled = judge.settle(&mut cells, &mut known, self.plan)?;

@@ -206,10 +206,9 @@ impl<D: SignedDistance> Judge<'_, D> {
 
     /// Of the volume.
     fn volume_error(&self, exact: &Exact, fields: &CellFields) -> f64 {
-        let (stored, phi) = (probes::values(&fields.volume), probes::values(&fields.distance));
-        let volume =
-            stored.iter().zip(phi).map(|(stored, phi)| stored + fields.form.of_wall(&self.wall, phi));
-        let places = volume.zip(&exact.volume).zip(&exact.distance);
+        let mut volume = probes::values(&fields.volume);
+        self.of_wall(fields.form, &fields.distance, |probe, wall| volume[probe] += wall);
+        let places = volume.iter().zip(&exact.volume).zip(&exact.distance);
         let fluid = places.filter(|(_, phi)| self.counts(f64::from(**phi)));
         let misses = fluid.map(|((found, exact), _)| (found - f64::from(*exact)).abs());
         misses.fold(0.0, f64::max) / (self.tolerances.volume * self.ball)
@@ -228,6 +227,16 @@ impl<D: SignedDistance> Judge<'_, D> {
         largest
     }
 
+    /// w V_plane(Phi) at the probes where that isn't 0, m^3.
+    fn of_wall(&self, form: Form, distance: &[f64; NODES], mut each: impl FnMut(usize, f64)) {
+        if form == Form::Plain {
+            return;
+        }
+        for (probe, phi) in probes::values(distance).into_iter().enumerate() {
+            each(probe, form.of_wall(&self.wall, phi));
+        }
+    }
+
     /// Whether fluid can be where Phi is this; beyond the band, too, where the cells that hold its edge reach.
     pub fn counts(&self, phi: f64) -> bool {
         phi >= -DEPTH * self.radius
@@ -236,10 +245,7 @@ impl<D: SignedDistance> Judge<'_, D> {
     /// What the stored volume should be at a cell's probes, m^3.
     pub fn targets(&self, cell: LevelCell, distance: &[f64; NODES], known: &Known) -> [f64; probes::COUNT] {
         let mut values = known.at_probes[&cell].volume.map(f64::from);
-        if self.form() != Form::Plain {
-            let walls = probes::values(distance).map(|phi| self.form().of_wall(&self.wall, phi));
-            values.iter_mut().zip(walls).for_each(|(value, wall)| *value -= wall);
-        }
+        self.of_wall(self.form(), distance, |probe, wall| values[probe] -= wall);
         values
     }
 

@@ -4,6 +4,7 @@
 use super::cells::{CellTree, Judge};
 use super::form::Form;
 use super::known::Known;
+use super::region::Region;
 use crate::error::Error;
 use crate::plan::Plan;
 use crate::sdf::SignedDistance;
@@ -18,9 +19,10 @@ impl<D: SignedDistance> Judge<'_, D> {
     /// As [`Judge::settle`].
     pub fn choose(&mut self, tree: &mut CellTree, known: &mut Known, plan: &Plan) -> Result<(), Error> {
         self.balance(tree, known)?;
+        let samples = tree.samples(self.lattice.grid().resolution);
         let mut missed = |form: &'static [Form]| {
             self.forms = form;
-            self.missed(tree, known, plan)
+            self.missed(tree, samples.as_ref(), known, plan)
         };
         let (plain, difference) = (missed(&[Form::Plain])?, missed(&[Form::Difference])?);
         if plain as f64 <= CLEARLY * difference as f64 {
@@ -29,10 +31,15 @@ impl<D: SignedDistance> Judge<'_, D> {
         Ok(())
     }
 
-    /// How many cells miss in place, of the map or of a sample of it.
-    fn missed(&self, tree: &CellTree, known: &mut Known, plan: &Plan) -> Result<usize, Error> {
-        let samples = tree.samples(self.lattice.grid().resolution);
-        let numbered = self.numbered(tree, samples.as_ref(), known, plan)?;
+    /// How many cells miss in place, of the map or of samples of it.
+    fn missed(
+        &self,
+        tree: &CellTree,
+        samples: Option<&Region>,
+        known: &mut Known,
+        plan: &Plan,
+    ) -> Result<usize, Error> {
+        let numbered = self.numbered(tree, samples, known, plan)?;
         let volume = self.fitted(&numbered, known);
         known.fitted.clear();
         Ok(self.failing(&numbered, &volume, known).len())

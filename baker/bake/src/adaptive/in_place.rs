@@ -127,13 +127,13 @@ impl<D: SignedDistance> Judge<'_, D> {
     }
 
     /// Cells whose errors are too large, with all constraints in place.
-    pub fn failing(&self, of: &Numbered, volume: &[f64], known: &Known) -> Vec<(LevelCell, f64)> {
+    pub fn failing(&self, of: &Numbered, volume: &[f64], known: &Known) -> Vec<LevelCell> {
         let volume = of.layout.complete(volume);
         let failing = |(own, cell): &(LevelCell, LayoutCell)| {
             let at_nodes = |values: &[f64]| cell.nodes.map(|node| values[node as usize]);
             let (distance, volume) = (at_nodes(&of.distance), at_nodes(&volume));
             let error = self.error(*own, &CellFields { distance, volume, form: of.form }, known);
-            (error > 1.0).then_some((*own, error))
+            (error > 1.0).then_some(*own)
         };
         of.cells.par_iter().filter_map(failing).collect()
     }

@@ -49,9 +49,9 @@ impl<D: SignedDistance> Judge<'_, D> {
     }
 
     /// What to split: a cell that is good by itself fails by the traces of the larger ones that it touches.
-    fn causes(&self, failing: &[(LevelCell, f64)], tree: &CellTree) -> Vec<LevelCell> {
+    fn causes(&self, failing: &[LevelCell], tree: &CellTree) -> Vec<LevelCell> {
         let mut causes = Vec::new();
-        for &(cell, _) in failing {
+        for &cell in failing {
             let before = causes.len();
             causes.extend(tree.larger_neighbours(cell, self.lattice.grid().resolution));
             if causes.len() == before && cell.level < self.lattice.finest() {
@@ -108,14 +108,13 @@ impl<D: SignedDistance> Judge<'_, D> {
 struct InPlace {
     numbered: Numbered,
     volume: Vec<f64>,
-    failing: Vec<(LevelCell, f64)>,
+    failing: Vec<LevelCell>,
 }
 
 impl InPlace {
     /// What there is to store; cells that are above the tolerance and can't be split are told.
     fn settled(self) -> Settled {
-        let left = self.failing.iter().filter(|(_, error)| *error > 1.0).map(|(cell, _)| *cell).collect();
-        self.numbered.settled(self.volume, left)
+        self.numbered.settled(self.volume, self.failing)
     }
 }
 

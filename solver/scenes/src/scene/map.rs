@@ -367,12 +367,12 @@ impl<'a> Library<'a> {
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
         let cached = self.cache.join(format!("{stem}-{}.h5", &key[..24]));
         let opened = cached.is_file().then(|| asset::read(&cached).ok()).flatten();
-        if let Some((asset, Ok(map))) = opened.map(|asset| {
-            let map = VolumeMap::from_asset(&asset);
-            (asset, map)
-        }) {
+        if let Some((map, asset)) =
+            opened.and_then(|asset| Some((VolumeMap::from_asset(&asset).ok()?, asset)))
+        {
             return Ok((asset, Some(map)));
         }
+        self.watch.check()?;
         (self.on_bake)(path);
         let asset = bake(input, &recipe.bake, self.watch)?.asset;
         let kept = std::fs::create_dir_all(&self.cache).map_err(|error| error.to_string());
